@@ -11,7 +11,7 @@ use super::coordinates::{parse_height_m, parse_latitude_deg, parse_longitude_deg
 use super::error;
 use super::values::{
     FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrFile, NameOrTable, PolicyChoice, Quantity,
-    SiteChoice, TelescopeChoice, limit, model_assignments, one_or_many,
+    SiteChoice, TelescopeChoice, model_assignments, one_or_many,
 };
 use crate::elements::{Constellation, sha256_hex};
 use crate::error::Error;
@@ -301,12 +301,10 @@ pub struct RulesConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub policy: Option<PolicyChoice>,
     /// Limiting magnitude: brighter crossings give the verdict avoid; 7, or by band g=7,y=5,default=6
-    #[serde(deserialize_with = "limit")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
     pub limit_mag: Option<MagnitudeLimit>,
     /// Limiting surface brightness, mag/arcsec2: brighter streaks give the verdict avoid (with --telescope); 22, or by
     /// band W1=20,default=22
-    #[serde(deserialize_with = "limit")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
     pub limit_surface_brightness: Option<MagnitudeLimit>,
     /// Satellites that block a start: any (all lit ones) or avoid (those that exceed a limit; default)

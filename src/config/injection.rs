@@ -11,10 +11,10 @@ use super::values::Numbers;
 /// ```
 /// let injection: streakcast::config::InjectionConfig =
 ///     serde_json::from_str(r#"{"image": ["a.fits"], "random_streaks": 2, "magnitude": [5, 7]}"#)?;
-/// assert_eq!(injection.truth_points, 11);
+/// assert_eq!((injection.image.len(), injection.seed), (1, 0));
 /// # Ok::<(), serde_json::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct InjectionConfig {
@@ -180,9 +180,9 @@ pub struct InjectionConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Streaks"))]
     pub seeing: Option<String>,
     /// Point spread function: gaussian, moffat (β 3.5), moffat:BETA, double; or a file: an image (.fits), or the set of
-    /// PSFEx (.psf), instead of seeing, defocus and size
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", default_value = "moffat", value_hint = clap::ValueHint::FilePath, help_heading = "Streaks"))]
-    pub psf: String,
+    /// PSFEx (.psf), instead of seeing, defocus and size; moffat if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", value_hint = clap::ValueHint::FilePath, help_heading = "Streaks"))]
+    pub psf: Option<String>,
     /// Oversampling of the image of --psf: number of its pixels along a pixel of the frame; OVERSAMP in its header, or
     /// else 1, if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Streaks"))]
@@ -223,59 +223,17 @@ pub struct InjectionConfig {
         )
     )]
     pub seed: u64,
-    /// Number of points along each streak in the extension STREAK_POINTS
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 11, help_heading = "Truth"))]
-    pub truth_points: usize,
+    /// Number of points along each streak in the extension STREAK_POINTS; 11 if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Truth"))]
+    pub truth_points: Option<usize>,
     /// Labels for the training of detectors, beside the frames: coco (FRAME.coco.json, or coco.json of several frames),
     /// yolo (FRAME.txt, oriented boxes) and ds9 (FRAME.reg); several are separated by commas
     #[cfg_attr(feature = "cli", arg(long, value_name = "FORMAT", value_delimiter = ',', help_heading = "Truth"))]
     pub labels: Vec<String>,
-    /// Mask bits: lsst, desdm, last, ztf, hst
-    #[cfg_attr(feature = "cli", arg(long, value_name = "SURVEY", default_value = "lsst", help_heading = "Truth"))]
-    pub mask_bits: String,
+    /// Mask bits: lsst (if omitted), desdm, last, ztf, hst
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SURVEY", help_heading = "Truth"))]
+    pub mask_bits: Option<String>,
     /// Write only the pixels, without mask and truth extensions
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Truth"))]
     pub pixels_only: bool,
-}
-
-impl Default for InjectionConfig {
-    fn default() -> Self {
-        Self {
-            image: Vec::new(),
-            synthetic: None,
-            frames: None,
-            start: None,
-            exposure: None,
-            schedule: None,
-            row: None,
-            ra: None,
-            dec: None,
-            pixel_scale: None,
-            hdu: Vec::new(),
-            track_rate: None,
-            random_streaks: None,
-            streak_density: None,
-            magnitude: None,
-            streak_rate_deg_s: None,
-            streaks: None,
-            satellite_size: None,
-            tumbling: None,
-            glint: Vec::new(),
-            light_curve: None,
-            resolve_panels: false,
-            seeing: None,
-            psf: "moffat".to_owned(),
-            psf_oversampling: None,
-            zero_point: None,
-            zero_point_1s: None,
-            gain: None,
-            detector: None,
-            no_noise: false,
-            seed: 0,
-            truth_points: 11,
-            labels: Vec::new(),
-            mask_bits: "lsst".to_owned(),
-            pixels_only: false,
-        }
-    }
 }

@@ -35,6 +35,9 @@ const DEFAULT_WIDE_SHARE: f64 = 0.1;
 /// Default range of angular rates of random streaks, deg/s: satellites at 550 km height near the horizon and at the
 /// zenith.
 const DEFAULT_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
+/// Default number of points along one streak in the truth table.
+const TRUTH_POINTS: usize = 11;
+
 /// Largest number of points along one streak in the truth table.
 const MOST_TRUTH_POINTS: usize = 10_000;
 /// Default start time of synthetic frames with random streaks. It is written to the header and has no other effect.
@@ -94,7 +97,7 @@ impl InjectionConfig {
     /// Returns the paths of all input files; outputs must not replace them.
     pub fn files(&self) -> Vec<PathBuf> {
         let single = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector, &self.streaks];
-        let psf = self.has_psf_file().then(|| PathBuf::from(&self.psf));
+        let psf = self.has_psf_file().then(|| PathBuf::from(self.psf()));
         self.image.iter().chain(single.into_iter().flatten()).cloned().chain(psf).collect()
     }
 
@@ -197,7 +200,7 @@ impl InjectionConfig {
             resolve_panels: self.resolve_panels,
             optics: self.optics(telescope.as_ref())?,
             psf_file: self.psf_file()?,
-            psf_name: self.psf.clone(),
+            psf_name: self.psf().to_owned(),
             telescope: telescope.map(|telescope| telescope.name),
             detector: detector.or(synthetic.as_ref().map(|synthetic| synthetic.frame.detector.clone())),
             synthetic,
@@ -206,10 +209,10 @@ impl InjectionConfig {
             mag_system: config.light.mag_system.is_some().then_some(photometry.system),
             noise: !self.no_noise,
             seed: self.seed,
-            truth_points: self.truth_points,
+            truth_points: self.truth_points(),
             labels: self.label_formats()?,
             inputs: self.files().into_iter().chain(config.files()).collect(),
-            mask_preset: MaskPreset::by_name(&self.mask_bits)?,
+            mask_preset: MaskPreset::by_name(self.mask_bits.as_deref().unwrap_or("lsst"))?,
             pixels_only: self.pixels_only,
         })
     }
@@ -260,8 +263,8 @@ impl InjectionConfig {
         if self.resolve_panels && self.satellite_size.is_some() {
             return Err(error::both("--satellite-size", "--resolve-panels"));
         }
-        if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points) {
-            return Err(Error::invalid("truth-points", self.truth_points, format!("2 to {MOST_TRUTH_POINTS}")));
+        if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points()) {
+            return Err(Error::invalid("truth-points", self.truth_points(), format!("2 to {MOST_TRUTH_POINTS}")));
         }
         Ok(())
     }
@@ -340,7 +343,15 @@ impl InjectionConfig {
 
     /// Returns true if the point spread function is that of a file.
     pub fn has_psf_file(&self) -> bool {
-        PsfFile::is_name(&self.psf)
+        PsfFile::is_name(self.psf())
+    }
+
+    fn psf(&self) -> &str {
+        self.psf.as_deref().unwrap_or("moffat")
+    }
+
+    fn truth_points(&self) -> usize {
+        self.truth_points.unwrap_or(TRUTH_POINTS)
     }
 
     /// Reads the file of the point spread function, and rejects options that have no effect with it.
@@ -349,7 +360,7 @@ impl InjectionConfig {
             return match self.psf_oversampling {
                 Some(_) => Err(Error::invalid(
                     "--psf-oversampling",
-                    format_args!("given with --psf {}", self.psf),
+                    format_args!("given with --psf {}", self.psf()),
                     "with a file of --psf",
                 )),
                 None => Ok(None),
@@ -364,7 +375,7 @@ impl InjectionConfig {
         if let Some((first, _)) = idle.into_iter().find(|(_, is_given)| *is_given) {
             return Err(error::both(first, "a file of --psf"));
         }
-        Ok(Some(PsfFile::read(Path::new(&self.psf), self.psf_oversampling)?))
+        Ok(Some(PsfFile::read(Path::new(self.psf()), self.psf_oversampling)?))
     }
 
     fn optics(&self, telescope: Option<&Telescope>) -> Result<Optics, Error> {
@@ -383,7 +394,7 @@ impl InjectionConfig {
             (None, None) => return Err(SEEING.missing()),
         };
         Ok(Optics {
-            form: seeing_form(&self.psf)?,
+            form: seeing_form(self.psf())?,
             seeing_arcsec,
             outer_radius_m: telescope.map_or(0.0, |telescope| telescope.outer_radius_m),
             inner_radius_m: telescope.map_or(0.0, |telescope| telescope.inner_radius_m),

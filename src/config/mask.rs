@@ -11,7 +11,7 @@ use super::document::Config;
 use super::error::request;
 use super::injection_plan::SkyOf;
 use super::measure::{MeasureConfig, photometry, unknown_observer_warning, with_site};
-use super::prepared::{PreparedSky, state_scales};
+use super::prepared::PreparedSky;
 use super::required::FRAMES;
 use super::values::parse_angle_deg;
 use super::warnings::first_of;
@@ -37,10 +37,10 @@ const LEAST_COVERED: f64 = 0.9;
 ///
 /// ```
 /// let mask: streakcast::config::MaskConfig = serde_json::from_str(r#"{"image": ["a.fits"], "seeing": "1arcsec"}"#)?;
-/// assert_eq!((mask.coverage, mask.threshold), (0.95, None));
+/// assert_eq!((mask.image.len(), mask.threshold), (1, None));
 /// # Ok::<(), serde_json::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct MaskConfig {
@@ -57,9 +57,10 @@ pub struct MaskConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
     pub exposure: Option<String>,
     /// Probability that the streak of a satellite is in its mask, 0.5 to 0.999: the mask covers the errors of the
-    /// position with this probability, and the width of a streak that is brighter with the remaining probability
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value_t = COVERAGE, help_heading = "Width"))]
-    pub coverage: f64,
+    /// position with this probability, and the width of a streak that is brighter with the remaining probability; 0.95 if
+    /// omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", help_heading = "Width"))]
+    pub coverage: Option<f64>,
     /// Mask the light down to this multiple of the local noise of a pixel, 0.01 to 100; fainter satellites are left out;
     /// 1 if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "K", help_heading = "Width"))]
@@ -95,26 +96,6 @@ pub struct MaskConfig {
 
 const COVERAGE: f64 = 0.95;
 const THRESHOLD: f64 = 1.0;
-
-impl Default for MaskConfig {
-    fn default() -> Self {
-        Self {
-            image: Vec::new(),
-            hdu: Vec::new(),
-            start: None,
-            exposure: None,
-            coverage: COVERAGE,
-            threshold: None,
-            width: None,
-            seeing: None,
-            psf: None,
-            zero_point: None,
-            zero_point_1s: None,
-            into: Vec::new(),
-            bit: None,
-        }
-    }
-}
 
 /// Mask of one frame.
 #[derive(Clone, Debug)]
@@ -255,14 +236,13 @@ impl MaskConfig {
             let streaks = counted(not_used, "measured streak is", "measured streaks are");
             warnings.push(format!("{streaks} of other frames"));
         }
-        let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
         let mut provenance = shared_sky.provenance.clone();
-        state_scales(&mut provenance, &scale, &config.photometry()?);
+        config.state_scales(&mut provenance, &config.photometry()?);
         provenance.state(
             "options",
             json!({
                 "frames": done.iter().map(|masked| masked.image.clone()).collect::<Vec<_>>(),
-                "coverage": self.coverage,
+                "coverage": self.coverage(),
                 "threshold": self.threshold(),
                 "width": self.width,
                 "min_probability": config.min_probability.unwrap_or(MIN_PROBABILITY),
@@ -272,7 +252,7 @@ impl MaskConfig {
     }
 
     fn check(&self) -> Result<(), Error> {
-        let limits = [("coverage", self.coverage, 0.5..=0.999), ("threshold", self.threshold(), 0.01..=100.0)];
+        let limits = [("coverage", self.coverage(), 0.5..=0.999), ("threshold", self.threshold(), 0.01..=100.0)];
         for (what, given, allowed) in limits {
             if !allowed.contains(&given) {
                 let (least, most) = (allowed.start(), allowed.end());
@@ -299,6 +279,10 @@ impl MaskConfig {
             }
             _ => Ok(()),
         }
+    }
+
+    fn coverage(&self) -> f64 {
+        self.coverage.unwrap_or(COVERAGE)
     }
 
     fn threshold(&self) -> f64 {
@@ -373,7 +357,7 @@ impl MaskConfig {
             return Err(Error::invalid("min-probability", min_probability, "above 0, at most 1"));
         }
         Ok(MaskOptions {
-            coverage: self.coverage,
+            coverage: self.coverage(),
             threshold: self.threshold(),
             min_probability,
             is_calibrated: true,

@@ -9,7 +9,6 @@ use super::document::Config;
 use super::error;
 use super::injection_plan::{SkyOf, checked_size, seeing_form};
 use super::measured_tables::{MeasuredTables, identify_listed};
-use super::prepared::state_scales;
 use super::required::FRAMES;
 use super::values::{parse_angle_deg, parse_exposure_s};
 use crate::error::Error;
@@ -237,9 +236,8 @@ impl MeasureConfig {
             predict_within_passes(&mut passes);
             predict_within_passes(rows.iter_mut().filter_map(|row| row.measured.as_mut().ok().map(|pass| &mut **pass)));
         }
-        let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
         let mut provenance = of_all.as_ref().map_or_else(Provenance::new, |all| all.provenance.clone());
-        state_scales(&mut provenance, &scale, &config.photometry()?);
+        config.state_scales(&mut provenance, &config.photometry()?);
         let viewpoint = of_all.as_ref().and_then(|all| all.sky.viewpoint().site());
         let site = viewpoint.map(|observer| observer.site().clone());
         let table = if self.streaks.is_empty() { measurement_table(&passes) } else { listed_table(&rows) };

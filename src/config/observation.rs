@@ -339,14 +339,10 @@ impl Config {
 
 /// Returns the field of a table with the key of one shape, the key `file`, or the key `shapes` as in a field file.
 fn field_of_table(table: &toml::Table) -> Result<Field, Error> {
-    let text = serde_json::to_string(table).unwrap_or_default();
-    if table.contains_key("shapes") {
-        return Field::from_json(&text);
-    }
     if let Some(path) = table.get("file").and_then(toml::Value::as_str).filter(|_| table.len() == 1) {
         return parse_file("field", Path::new(path), Field::from_json);
     }
-    Field::from_json(&format!("{{\"shapes\": [{text}]}}"))
+    Field::from_keys(if table.contains_key("shapes") { json!(table) } else { json!({ "shapes": [table] }) })
 }
 
 fn field_of_telescope(telescope: &Telescope) -> Result<Field, Error> {

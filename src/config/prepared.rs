@@ -364,6 +364,14 @@ pub fn state_scales(provenance: &mut Provenance, time_scale: &str, photometry: &
     provenance.state_all(photometry.statements());
 }
 
+impl Config {
+    /// Adds the time scale of times without a scale, UTC if none is given, and the options of the magnitudes.
+    pub fn state_scales(&self, provenance: &mut Provenance, photometry: &PhotometryOptions) {
+        let scale = self.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
+        state_scales(provenance, &scale, photometry);
+    }
+}
+
 fn middle_of(first: Epoch, last: Epoch) -> Epoch {
     seconds_after(first, 0.5 * seconds_between(first, last))
 }

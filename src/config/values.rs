@@ -15,7 +15,7 @@ use crate::constants::LONGEST_EXPOSURE_S;
 use crate::elements::Generation;
 use crate::error::{Error, ErrorKind};
 use crate::images::Telescope;
-use crate::schedule::{MagnitudeLimit, Policy};
+use crate::schedule::Policy;
 
 /// Text of a quantity: a number with a unit, a time or an angle. A number in a document is converted to text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,25 +47,6 @@ impl<'de> Deserialize<'de> for Quantity {
             Written::Number(number) => number.to_string(),
         }))
     }
-}
-
-/// Deserializes a magnitude limit: a number, a table of numbers by band, or the text of the flag.
-pub(super) fn limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<MagnitudeLimit>, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(
-        untagged,
-        expecting = "invalid magnitude limit; allowed: a number, a text such as g=7,default=6, or a table of numbers by band"
-    )]
-    enum Written {
-        Text(String),
-        Limit(MagnitudeLimit),
-    }
-    Option::deserialize(deserializer)?
-        .map(|written| match written {
-            Written::Text(text) => text.parse().map_err(D::Error::custom),
-            Written::Limit(limit) => Ok(limit),
-        })
-        .transpose()
 }
 
 /// Deserializes one value or a list of values.

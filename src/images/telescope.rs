@@ -274,6 +274,9 @@ V = 6.0
         assert_eq!((own.bright_share, own.mask_width_arcsec(3.0)), (0.08, 6.0));
         let with = |key: &str| Telescope::from_toml(&format!("{key}\n{OWN}"), "mine.toml");
         assert_eq!(with("mask_arcsec = 60").unwrap().mask_width_arcsec(3.0), 60.0);
+        let as_text = OWN.replace("[bright_mag]\nV = 6.0", "bright_mag = 'V=6,default=7.5'");
+        let as_text = Telescope::from_toml(&as_text, "mine.toml").unwrap();
+        assert_eq!([Some("V"), Some("g"), None].map(|band| as_text.bright_mag_in(band)), [6.0, 7.5, 7.5]);
         for (key, words) in [
             ("mask_arcsec = 0", "mask_arcsec is 0"),
             ("bright_share = -0.1", "bright_share is -0.1; allowed: 0 to 100"),

@@ -4,6 +4,8 @@ use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
+use serde_json::error::Category;
+
 use crate::error::Error;
 
 /// Largest number of bytes that are read from a file, or decompressed from one: 2 GB, above any catalogue or schedule.
@@ -159,13 +161,31 @@ pub fn toml_error(error: &toml::de::Error, text: &str) -> Error {
     }
 }
 
-/// Returns the message of a parser of TOML as an error of this crate, which states what is given and what is allowed.
+/// Returns the error of a parser of JSON with the number of the line in the text.
+pub fn json_error(error: &serde_json::Error) -> Error {
+    let text = error.to_string();
+    let what = text.rsplit_once(" at line ").map_or(&*text, |(what, _)| what);
+    let sentence = match error.classify() {
+        Category::Data => in_words(what),
+        Category::Eof => "the text ends before the end of the JSON document; allowed: a complete document".to_owned(),
+        Category::Syntax | Category::Io => {
+            let allowed = "JSON: texts in double quotes, numbers, true, false, null, arrays and objects";
+            format!("column {}: {what}; allowed: {allowed}", error.column())
+        }
+    };
+    // Without a text, as for a value that is read already, the line is 0.
+    if error.line() > 0 { Error::format(sentence).on_line(error.line()) } else { Error::format(sentence) }
+}
+
+/// Returns the message of a parser of TOML or JSON as an error of this crate, which states what is given and allowed.
 fn in_words(message: &str) -> String {
     let Some((what, expected)) = message.rsplit_once(", expected ") else {
         return message.replace("missing field", "missing key").replace('`', "'");
     };
     let given = what.strip_prefix("invalid type: ").or_else(|| what.strip_prefix("invalid value: "));
     let what = match given {
+        Some("map") => "invalid value, a table of keys".to_owned(),
+        Some("sequence") => "invalid value, a list".to_owned(),
         // The value is in quotes after its type.
         Some(given) => format!("invalid value {}", given.find(['"', '`']).map_or(given, |start| &given[start..])),
         None if what.contains("must be quoted") => "invalid value".to_owned(),
@@ -177,6 +197,9 @@ fn in_words(message: &str) -> String {
         "f64" | "f32" => "a number",
         "a string" | "literal string" => "a text in quotes",
         "a boolean" => "true, false",
+        "a sequence" => "a list",
+        "a map" => "a table of keys",
+        table if table.starts_with("struct ") => "a table of keys",
         integer if is_integer(integer) => "a whole number",
         others => others.strip_prefix("one of ").unwrap_or(others),
     };
@@ -237,7 +260,7 @@ mod tests {
         for (message, expected) in [
             ("invalid type: string \"x\", expected f64", "invalid value \"x\"; allowed: a number"),
             ("invalid value: integer `-1`, expected usize", "invalid value '-1'; allowed: a whole number"),
-            ("invalid type: map, expected a string", "invalid value map; allowed: a text in quotes"),
+            ("invalid type: map, expected a string", "invalid value, a table of keys; allowed: a text in quotes"),
             ("unknown field `a`, expected one of `b`, `c`", "unknown key 'a'; allowed: b, c"),
             ("unknown variant `a`, expected `b` or `c`", "unknown value 'a'; allowed: b or c"),
             ("missing field `a`", "missing key 'a'"),

@@ -2,13 +2,14 @@
 
 use nalgebra::Vector3;
 use serde::Deserialize;
+use serde_json::Value;
 
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
+use crate::input::json_error;
 
-/// Form of a field file, used in error messages.
-const FIELD_FORM: &str =
-    r#"{"shapes": [{"circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x, y], ...]}], "unit": "deg"}"#;
+/// Form of a field, for errors.
+const FORM: &str = r#"a field is {"shapes": [{"circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x, y], ...]}], "unit": "deg"}"#;
 
 /// Largest distance of a point of a rectangle or polygon from the centre of the field, in degrees of the tangent plane
 /// (45° on the sky).
@@ -106,8 +107,16 @@ impl Field {
     /// # Errors
     /// The JSON is invalid, the unit is not degrees, there are no shapes, or a shape is invalid.
     pub fn from_json(text: &str) -> Result<Self, Error> {
-        let file: FieldFile = serde_json::from_str(text)
-            .map_err(|error| Error::invalid("field", format!("invalid ({error})"), FIELD_FORM))?;
+        Self::from_file(serde_json::from_str(text))
+    }
+
+    /// Same as [`Field::from_json`], for keys that are read already.
+    pub(crate) fn from_keys(keys: Value) -> Result<Self, Error> {
+        Self::from_file(serde_json::from_value(keys))
+    }
+
+    fn from_file(file: serde_json::Result<FieldFile>) -> Result<Self, Error> {
+        let file = file.map_err(|error| json_error(&error).with_remark(FORM))?;
         if let Some(unit) = file.unit.filter(|unit| unit != "deg") {
             return Err(Error::invalid("unit of the field", format!("{unit:?}"), "\"deg\""));
         }

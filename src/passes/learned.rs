@@ -8,7 +8,8 @@ use hifitime::Epoch;
 use serde::{Deserialize, Serialize};
 
 use crate::elements::Generation;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+use crate::input::json_error;
 use crate::photometry::{ErrorDistribution, NormalPart};
 
 /// Version of the schema that is supported.
@@ -159,7 +160,7 @@ impl LearnedFile {
     /// # Errors
     /// The text is not JSON, a key is unknown or missing, or a value is out of range.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, Error> {
-        let failed = |source| Error::caused(ErrorKind::Format, source).in_file("learned file", origin);
+        let failed = |error| json_error(&error).in_file("learned file", origin);
         let file: Self = serde_json::from_str(text).map_err(failed)?;
         file.validate(origin)?;
         Ok(file)

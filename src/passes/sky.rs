@@ -97,8 +97,8 @@ impl Sky {
         Self::from_parts(elements, others, DragModel::default(), viewpoint.into(), eop, choice)
     }
 
-    /// As [`Sky::with_models`], with a treatment of atmospheric drag, and with element sets of other epochs as in
-    /// [`Sky::with_other_epochs`]. Each orbit is initialised once.
+    /// As [`Sky::with_models`], with a treatment of atmospheric drag, and with element sets of other epochs of the same
+    /// satellites, in any order, which improve the mean motions of Starlinks near the time `moment` ([`OrbitModel`]).
     #[doc(hidden)]
     pub fn with_models_and_others(
         elements: Vec<ElementSet>,
@@ -178,15 +178,6 @@ impl Sky {
             return self;
         }
         Self { drag, ..self }.with_new_orbits()
-    }
-
-    /// Returns the sky with element sets of other epochs of the same satellites, in any order. They improve the mean
-    /// motions of Starlinks near the time `moment` ([`OrbitModel`]).
-    pub fn with_other_epochs(self, sets: Vec<ElementSet>, moment: Epoch) -> Self {
-        if sets.is_empty() {
-            return self;
-        }
-        Self { others: Arc::new(OtherEpochs::new(sets, moment)), ..self }.with_new_orbits()
     }
 
     fn with_new_orbits(self) -> Self {

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::band::{Band, MagSystem};
 use super::error::{Check, SCHEMA_VERSION};
 use super::panels::PanelsSpec;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+use crate::input::json_error;
 
 /// Name of the panel offset of chassis and sail, a parameter that may be fitted together with the coefficients.
 pub const PANEL_OFFSET: &str = "panel_offset_deg";
@@ -184,8 +185,8 @@ impl ModelFile {
     /// The text is not JSON, a key is unknown, missing or does not fit the kind, the schema
     /// version differs, a value is out of range, or the covariance is invalid.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, Error> {
-        let file: Self = serde_json::from_str(text)
-            .map_err(|source| Error::caused(ErrorKind::Format, source).in_file("model file", origin))?;
+        let file: Self =
+            serde_json::from_str(text).map_err(|error| json_error(&error).in_file("model file", origin))?;
         file.validate(origin)?;
         Ok(file)
     }

@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use crate::error::Error;
+#[cfg(feature = "sqlite")]
+use crate::error::ErrorKind;
 
 /// Accepted columns of a schedule, for error messages.
 pub(super) const ALLOWED_COLUMNS: &str = "exposure_id, start_utc (or start_mjd, start_jd with --time-scale, or \
@@ -40,4 +42,10 @@ pub(super) fn already_there(path: &Path, what: &str) -> Error {
 pub(super) fn changed(path: &Path, rows: usize, flags: usize) -> Error {
     Error::about_file("schedule", path, format!("has {rows} rows"))
         .allowing(format!("the {flags} rows that were judged (the file changed in between)"))
+}
+
+/// SQLite cannot read the file.
+#[cfg(feature = "sqlite")]
+pub(super) fn sqlite(path: &Path, source: rusqlite::Error) -> Error {
+    Error::caused(ErrorKind::File, source).in_file("schedule", path).allowing("a complete SQLite database")
 }

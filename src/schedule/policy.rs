@@ -1,6 +1,6 @@
 //! Policy for verdicts: magnitude limit, largest cost of streaks, least probability, margin and longest delay.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
@@ -10,34 +10,6 @@ use crate::images::MagnitudeLimit;
 use crate::message::Quoted;
 use crate::message::listed;
 use crate::passes::Pass;
-
-impl FromStr for MagnitudeLimit {
-    type Err = Error;
-
-    /// Parses one number, `7`, or limits by band, `g=7,y=5,default=6`.
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let number = |text: &str| text.trim().parse::<f64>().ok();
-        if let Some(limit) = number(text) {
-            return Ok(MagnitudeLimit::All(limit));
-        }
-        let pairs = text.split(',').map(|part| {
-            let (band, limit) = part.split_once('=')?;
-            Some((band.trim().to_owned(), number(limit)?)).filter(|(band, _)| !band.is_empty())
-        });
-        let mut limits = BTreeMap::new();
-        for pair in pairs {
-            let (band, limit) = pair.ok_or_else(|| {
-                Error::format(format!("invalid magnitude limit '{}'", Quoted::new(text)))
-                    .allowing("a number, or numbers by band such as g=7,y=5,default=6")
-            })?;
-            if limits.insert(band.clone(), limit).is_some() {
-                return Err(Error::format(format!("band {band} has two limits in '{}'", Quoted::new(text)))
-                    .allowing("one number for each band, such as g=7,y=5,default=6"));
-            }
-        }
-        Ok(MagnitudeLimit::PerBand(limits))
-    }
-}
 
 /// Choice of the satellites that block the start of an exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -299,7 +271,11 @@ mod tests {
             ("limit_mag = ", "line 1"),
             (
                 "limit_mag = 'telescope'",
-                "line 1: invalid magnitude limit; allowed: a number, or a table of numbers by band",
+                "line 1: invalid magnitude limit 'telescope'; allowed: a number, or numbers by band such as g=7,y=5,default=6",
+            ),
+            (
+                "limit_mag = [7]",
+                "line 1: invalid magnitude limit; allowed: a number, a text such as g=7,default=6, or a table",
             ),
         ] {
             let message = Policy::from_toml(text).unwrap_err().to_string();

@@ -273,7 +273,7 @@ fn invalid_schedules() {
     );
     schedule("noise.bin", &[0xff, 0x00, 0x81, 0x7f], &["noise.bin"]);
     schedule("rows.json", b"{\"visits\": []}", &["without an array 'exposures'"]);
-    schedule("cut.json", b"[{\"exposure_id\": ", &["cut.json, line 1"]);
+    schedule("cut.json", b"[{\"exposure_id\": ", &["cut.json: line 1"]);
     schedule("none.json", b"[]", &["none.json is empty"]);
     let twice = b"exposure_id,start_utc,duration_s,ra_deg,dec_deg,ra_deg\n1,2024-08-14T03:30:00Z,30,280,-30,10\n";
     schedule("twice.csv", twice, &["twice.csv: column ra_deg occurs twice; allowed: once"]);
@@ -454,6 +454,11 @@ fn suspicious_schedules_give_warnings() {
     );
     let (_, _, quiet) = run(&[&flag(&schedule), &["--policy", &policy, "--quiet"]]);
     assert_eq!(quiet, "");
+    let as_text = file(&folder, "text.toml", b"limit_mag = 'g=7'\n");
+    let of_text = run(&[&flag(&schedule), &["--policy", &as_text]]);
+    assert_eq!(of_text.2.replace("text.toml", "p.toml"), stderr);
+    let wrong = file(&folder, "wrong.toml", b"margin_s = 3\nlimit_mag = 'g=7,y'\n");
+    fails(&[&flag(&schedule), &["--policy", &wrong]], &["wrong.toml", "line 2", "'g=7,y'", "g=7,y=5,default=6"]);
     let (_, _, stderr) = run(&[&flag(&schedule), &["--limit-mag", "G=5,default=7"]]);
     assert!(stderr.contains("limit_mag of band G has no effect: the exposures have the band g"), "{stderr}");
 }

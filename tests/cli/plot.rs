@@ -157,7 +157,7 @@ fn verif_a_field_has_the_table_of_passes() {
         "{texts:?}"
     );
     // Tables written by `passes` in any format give the same plot.
-    for format in ["csv", "ecsv", "json"] {
+    for format in ["csv", "ecsv", "json", "jsonl"] {
         let file = path(&folder, &format!("passes.{format}"));
         run(&[&["passes"], EXPOSURE, SKY, FIELD, &["-o", &file]]);
         is_the_same_again(&folder, "field", &[&["field", "--from", &file]]);
@@ -169,7 +169,14 @@ fn verif_a_field_has_the_table_of_passes() {
     let (code, ..) = run(&[&["passes"], night, SKY]);
     assert_eq!(code, 1);
     drawn(&folder, "none", &[&["field"], night, SKY], 1);
-    assert!(svg_texts(&path(&folder, "none.svg")).contains(&"no streak crosses this field".to_owned()));
+    let is_empty = || svg_texts(&path(&folder, "none.svg")).contains(&"no streak crosses this field".to_owned());
+    assert!(is_empty());
+    for format in ["csv", "json", "jsonl"] {
+        let file = path(&folder, &format!("nothing.{format}"));
+        run(&[&["passes"], night, SKY, &["-o", &file]]);
+        drawn(&folder, "none", &[&["field", "--from", &file]], 1);
+        assert!(is_empty());
+    }
 }
 
 #[test]

@@ -32,14 +32,15 @@ pub(crate) type WithWarnings<T> = (T, Vec<String>);
 /// Sky cache with a field, a telescope, a policy and a band.
 #[pyclass(frozen, module = "streakcast._core")]
 pub struct Engine {
-    sky_cache: Py<SkyCache>,
+    pub(crate) sky_cache: Py<SkyCache>,
     /// Field of view, or the error message if there is none.
     pub(crate) field: Result<Field, String>,
     pub(crate) telescope: Option<Telescope>,
     pub(crate) policy: Policy,
     pub(crate) photometry: PhotometryOptions,
     time_scale: Option<String>,
-    defaults: (f64, bool, usize),
+    default_samples: usize,
+    default_rotation_deg: f64,
     pub(crate) setup: Config,
 }
 
@@ -70,6 +71,11 @@ impl Engine {
             telescope: self.telescope.as_ref(),
             photometry: &self.photometry,
         }
+    }
+
+    /// Returns whether satellites in the Earth's shadow are included: as given, or else as in the configuration file.
+    pub(crate) fn includes_dark(&self, given: Option<bool>) -> bool {
+        given.or(self.setup.include_dark).unwrap_or(false)
     }
 
     fn nights(&self, starts: impl Iterator<Item = Epoch>, watch: &Watch) -> PyResult<Vec<Night>> {
@@ -156,11 +162,12 @@ impl Engine {
                 policy: setup.policy().map_err(failure::setup)?,
                 photometry: setup.photometry().map_err(failure::setup)?,
                 time_scale: setup.time_scale().map_err(failure::setup)?.map(scale_name),
-                defaults: (
-                    setup.schedule_options().map_err(failure::setup)?.default_rotation_rad.to_degrees(),
-                    setup.include_dark.unwrap_or(false),
-                    setup.samples().map_err(failure::setup)?,
-                ),
+                default_samples: setup.samples().map_err(failure::setup)?,
+                default_rotation_deg: setup
+                    .schedule_options()
+                    .map_err(failure::setup)?
+                    .default_rotation_rad
+                    .to_degrees(),
                 setup,
             })
         })
@@ -192,12 +199,10 @@ impl Engine {
         Some((telescope.bright_share, telescope.bright_mag_in(band), self.policy.limit_mag_in(band)))
     }
 
-    /// Returns the rotation of the field in degrees, whether dark crossings are included, and the number of points
-    /// along each pass,
-    /// of the configuration file.
+    /// Returns the rotation of the field of the configuration file, degrees.
     #[getter]
-    fn defaults(&self) -> (f64, bool, usize) {
-        self.defaults
+    fn default_rotation_deg(&self) -> f64 {
+        self.default_rotation_deg
     }
 
     /// Returns the choice of satellites that block a start: `any` or `avoid`.
@@ -284,13 +289,14 @@ impl Engine {
         &self,
         py: Python<'py>,
         exposures: Columns<'py>,
-        include_dark: bool,
-        samples: usize,
+        include_dark: Option<bool>,
+        samples: Option<usize>,
         bands: Vec<String>,
         limits_mag: Option<Vec<f64>>,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
         let exposures = exposures.to_exposures(py, false)?;
         let bands: Vec<Option<String>> = rows(exposures.clone(), &bands)?.into_iter().map(|row| row.band).collect();
+        let (include_dark, samples) = (self.includes_dark(include_dark), samples.unwrap_or(self.default_samples));
         if samples > streakcast::config::MOST_SAMPLES {
             let most = streakcast::config::MOST_SAMPLES;
             return Err(failure::request(format!("samples is {samples}; allowed: 0 to {most}")));
@@ -354,7 +360,7 @@ impl Engine {
         jd2: f64,
         seconds: Vec<f64>,
         min_altitude_deg: f64,
-        include_dark: bool,
+        include_dark: Option<bool>,
         light: bool,
         limits_mag: Vec<f64>,
         band: Option<&str>,
@@ -367,7 +373,7 @@ impl Engine {
         // Brightness is only computed at the middle of each track.
         let options = SnapshotOptions {
             min_altitude_rad: min_altitude_deg.to_radians(),
-            include_dark: include_dark || self.photometry.band.is_thermal(),
+            include_dark: self.includes_dark(include_dark) || self.photometry.band.is_thermal(),
             whole_tracks: false,
             photometry: None,
         };

@@ -38,6 +38,11 @@ fn message_of(error: impl std::fmt::Display) -> String {
     bounded(&as_arguments(&error.to_string())).into_owned()
 }
 
+/// Returns messages with argument names in place of flags.
+pub fn all_as_arguments<'a>(messages: impl IntoIterator<Item = &'a String>) -> Vec<String> {
+    messages.into_iter().map(|message| as_arguments(message)).collect()
+}
+
 /// Replaces flags by argument names, for example `--observer-elements` by `observer_elements`.
 pub fn as_arguments(message: &str) -> String {
     let mut words = message.split("--");

@@ -35,22 +35,21 @@ pub fn inject<'py>(
 
 fn result_of<'py>(py: Python<'py>, injections: &Injections) -> PyResult<Bound<'py, PyDict>> {
     let result = PyDict::new(py);
-    let mut warnings: Vec<String> = injections.warnings.iter().map(|warning| failure::as_arguments(warning)).collect();
+    let mut warnings = failure::all_as_arguments(&injections.warnings);
     for frame in &injections.frames {
         result.set_item("summary", &frame.summary)?;
         result.set_item("truth", columns(py, &frame.truth)?)?;
         result.set_item("points", columns(py, &frame.points)?)?;
         result.set_item("trails", columns(py, &frame.trails)?)?;
         result.set_item("bits", (frame.planes.streak_bit, frame.planes.injected_bit))?;
-        warnings.extend(frame.warnings.iter().map(|warning| failure::as_arguments(warning)));
+        warnings.extend(failure::all_as_arguments(&frame.warnings));
     }
     let labels = injections.labels.iter().map(|file| {
         let name = file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         (name, file.text.clone())
     });
     result.set_item("labels", labels.collect::<Vec<_>>())?;
-    let remarks: Vec<String> = injections.remarks.iter().map(|remark| failure::as_arguments(remark)).collect();
-    result.set_item("remarks", remarks)?;
+    result.set_item("remarks", failure::all_as_arguments(&injections.remarks))?;
     result.set_item("warnings", warnings)?;
     Ok(result)
 }

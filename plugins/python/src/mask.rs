@@ -26,7 +26,6 @@ pub fn mask<'py>(
         let sky = |moment: Epoch| sky_cache.get().prepared(moment);
         request.mask(&setup, Some(&sky as SkyOf<'_>), &[], watch).map_err(failure::request)
     })?;
-    let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let (result, masks) = (PyDict::new(py), PyDict::new(py));
     // The request has one frame.
     let masked = &done.frames[0];
@@ -39,7 +38,7 @@ pub fn mask<'py>(
     result.set_item("masks", masks)?;
     result.set_item("streaks", columns(py, &done.corridors())?)?;
     result.set_item("left_out", columns(py, &done.left_out())?)?;
-    result.set_item("remarks", as_arguments(&done.remarks))?;
-    result.set_item("warnings", as_arguments(&done.warnings))?;
+    result.set_item("remarks", failure::all_as_arguments(&done.remarks))?;
+    result.set_item("warnings", failure::all_as_arguments(&done.warnings))?;
     Ok(result)
 }

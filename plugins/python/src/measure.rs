@@ -27,10 +27,9 @@ pub fn measure<'py>(
         let sky = sky.as_ref().map(|sky| sky as SkyOf<'_>);
         measure.measure(&setup, sky, watch).map_err(failure::request)
     })?;
-    let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let result = PyDict::new(py);
     result.set_item("measurements", columns(py, &done.table)?)?;
-    result.set_item("warnings", as_arguments(&done.warnings))?;
-    result.set_item("remarks", as_arguments(&done.remarks))?;
+    result.set_item("warnings", failure::all_as_arguments(&done.warnings))?;
+    result.set_item("remarks", failure::all_as_arguments(&done.remarks))?;
     Ok(result)
 }

@@ -5,7 +5,7 @@ use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::Watch;
-use streakcast::config::{Config, EphemerisConfig, ForecastConfig, IdentifyConfig};
+use streakcast::config::{EphemerisConfig, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
     EphemerisRow, ForecastRequest, PassColumns, Selection, ephemeris as compute_ephemeris, ephemeris_table,
     forecast as compute_forecast, night_table, pass_table,
@@ -15,8 +15,9 @@ use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, ident
 use streakcast::output::{Column, Kind, Table};
 
 use crate::columns::columns;
+use crate::engine::Engine;
 use crate::failure;
-use crate::sky_cache::{SkyCache, setup_of};
+use crate::sky_cache::SkyCache;
 use streakcast::Error;
 
 /// Column for the night of each pass.
@@ -26,25 +27,18 @@ const NIGHT: Column =
 /// Returns the visible passes of one or several nights: `passes` and `nights` as columns, and `warnings`. Each request
 /// is a JSON document.
 #[pyfunction]
-#[pyo3(signature = (requests, setup, config, sky_cache))]
-pub fn forecast<'py>(
-    py: Python<'py>,
-    requests: Vec<String>,
-    setup: &str,
-    config: Option<&str>,
-    sky_cache: Py<SkyCache>,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn forecast<'py>(py: Python<'py>, requests: Vec<String>, engine: Py<Engine>) -> PyResult<Bound<'py, PyDict>> {
     let configs: Vec<ForecastConfig> =
         requests.iter().map(|text| serde_json::from_str(text).map_err(failure::request)).collect::<PyResult<_>>()?;
-    let setup = setup_of(setup, config)?;
+    let engine = engine.get();
     let Nights { passes, nights, warnings } = failure::without_lock(py, |watch| {
         // All requests are checked before the first night is computed.
         let resolved = configs
             .iter()
-            .map(|forecast| forecast.resolve(&setup, 0).map_err(exception))
+            .map(|forecast| forecast.resolve(&engine.setup, 0).map_err(exception))
             .collect::<PyResult<Vec<_>>>()?;
         resolved.iter().try_fold(Nights::new(), |nights, (request, selection)| {
-            nights.with(sky_cache.get(), request, selection, watch)
+            nights.with(engine.sky_cache.get(), request, selection, watch)
         })
     })?;
     let result = PyDict::new(py);
@@ -103,20 +97,17 @@ impl Nights {
 
 /// Returns the positions of satellites at given times as columns, and warnings.
 #[pyfunction]
-#[pyo3(signature = (request, setup, config, sky_cache))]
 pub fn ephemeris<'py>(
     py: Python<'py>,
     request: &str,
-    setup: &str,
-    config: Option<&str>,
-    sky_cache: Py<SkyCache>,
+    engine: Py<Engine>,
 ) -> PyResult<(Bound<'py, PyList>, Vec<String>)> {
     let given: EphemerisConfig = serde_json::from_str(request).map_err(failure::request)?;
-    let setup: Config = setup_of(setup, config)?;
+    let engine = engine.get();
     let (table, warnings) = failure::without_lock(py, |watch| {
-        let request = given.resolve(&setup).map_err(exception)?;
+        let request = given.resolve(&engine.setup).map_err(exception)?;
         let (first, last) = request.span().map_err(exception)?;
-        let prepared = sky_cache.get().over(first, last, watch)?;
+        let prepared = engine.sky_cache.get().over(first, last, watch)?;
         let elements = prepared.sky.elements();
         let found = compute_ephemeris(&prepared.sky, &request).map_err(exception)?;
         let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
@@ -130,25 +121,24 @@ pub fn ephemeris<'py>(
 /// Returns the candidates for a measured streak: `candidates` and `streak` as columns, `unknown_probability`,
 /// `n_candidates` and `warnings`.
 #[pyfunction]
-#[pyo3(signature = (request, setup, config, sky_cache, include_dark, top))]
+#[pyo3(signature = (request, engine, include_dark, top))]
 pub fn identify<'py>(
     py: Python<'py>,
     request: &str,
-    setup: &str,
-    config: Option<&str>,
-    sky_cache: Py<SkyCache>,
-    include_dark: bool,
+    engine: Py<Engine>,
+    include_dark: Option<bool>,
     top: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::request)?;
-    let setup: Config = setup_of(setup, config)?;
+    let engine = engine.get();
     let (tables, found, warnings) = failure::without_lock(py, |watch| {
-        let plan = identify.resolve(&setup).map_err(exception)?;
+        let plan = identify.resolve(&engine.setup).map_err(exception)?;
         let streak = &plan.streak;
         let (start, end): (Epoch, Epoch) = (streak.start(), seconds_after(streak.start(), streak.duration_s()));
-        let prepared = sky_cache.get().over(start, end, watch)?;
+        let prepared = engine.sky_cache.get().over(start, end, watch)?;
         prepared.check_altitude("streak", &plan.exposure()).map_err(exception)?;
-        let options = IdentifyOptions { include_dark, photometry: setup.photometry().map_err(failure::setup)? };
+        let options =
+            IdentifyOptions { include_dark: engine.includes_dark(include_dark), photometry: engine.photometry };
         let found = identify_streak(&prepared.sky, streak, &options).map_err(failure::request)?;
         let rows = found.candidates.iter().take(top).map(|candidate| CandidateRow {
             candidate,
@@ -158,8 +148,7 @@ pub fn identify<'py>(
         let tables = (candidate_table(rows), streak_table(streak));
         let warning = prepared.left_out_warning(&found.left_out, start).map_err(failure::setup)?;
         let warnings = found.unknown_observer.iter().chain(&warning).chain(&plan.remarks);
-        let warnings = warnings.map(|warning| failure::as_arguments(warning));
-        let warnings: Vec<String> = warnings.collect();
+        let warnings = failure::all_as_arguments(warnings);
         Ok((tables, found, warnings))
     })?;
     let result = PyDict::new(py);

@@ -73,20 +73,18 @@ def test_warnings_point_to_the_caller(name):
 
 def test_a_warning_with_other_numbers_is_not_repeated():
     model = new_model()
-    sky_cache, _ = model._open()
-    sky_cache.news()
+    model._open()[0].news()
     calls = [["3 of 9,000 old", "3 of 8 old", "starlink-gen1 is old"], ["4 of 9,001 old"], ["4 of 9,002 old", "starlink-gen2 is old"]]
-    found = caught(lambda: [model._warn_once(sky_cache, warnings_of_call) for warnings_of_call in calls])
+    found = caught(lambda: [model._warn_once(warnings_of_call) for warnings_of_call in calls])
     # Different warnings of one call, and names with other digits, are not omitted.
     assert [str(one.message) for one in found] == [*calls[0], calls[2][1]]
 
 
 def test_warnings_of_many_nights_are_merged():
     model = new_model()
-    sky_cache, _ = model._open()
-    sky_cache.news()
+    model._open()[0].news()
     nights = [f"30{night % 10} of 15,834 old (the farthest by {night}.5 days)" for night in range(10, 23)]
-    found = caught(lambda: [model._warn_once(sky_cache, nights) for _ in range(2)])
+    found = caught(lambda: [model._warn_once(nights) for _ in range(2)])
     assert [str(one.message) for one in found] == [f"{nights[0]} (and 12 similar warnings, with other numbers or dates)"]
 
 

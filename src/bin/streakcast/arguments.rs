@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use clap::Args;
 use streakcast::config::Config;
 
-use crate::output::{Format, Output};
+use crate::output::{FORMATS, Format, Output};
 
 /// Format and file of the output.
 #[derive(Clone, Args)]
@@ -32,5 +32,11 @@ impl OutputArguments {
             }
             _ => output,
         }
+    }
+
+    /// Same as [`OutputArguments::open`], for a verb with further formats: `others`, for errors.
+    pub fn open_or(self, config: &Config, others: &str) -> anyhow::Result<Output> {
+        let with_others = |error: String| error.replace(FORMATS, &format!("{FORMATS}, {others}"));
+        self.open(config).map_err(|error| anyhow!(with_others(error.to_string())))
     }
 }

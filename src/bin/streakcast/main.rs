@@ -25,34 +25,6 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::{exit_code, report_usage, usage_message};
 use help::Typed;
 use verb_tables::Words;
-use verbs::alarms::AlarmsArguments;
-use verbs::annotate::AnnotateArguments;
-use verbs::doctor::DoctorArguments;
-use verbs::ephemeris::EphemerisArguments;
-use verbs::fetch::FetchArguments;
-use verbs::fit::FitArguments;
-use verbs::flag::FlagArguments;
-use verbs::forecast::ForecastArguments;
-use verbs::gate::GateArguments;
-use verbs::identify::IdentifyArguments;
-#[cfg(unix)]
-use verbs::inject::InjectArguments;
-use verbs::learn::LearnArguments;
-use verbs::lists::{ListArguments, ShellArguments};
-use verbs::map::MapArguments;
-#[cfg(unix)]
-use verbs::mask::MaskArguments;
-#[cfg(unix)]
-use verbs::measure::MeasureArguments;
-use verbs::model::ModelArguments;
-use verbs::passes::PassesArguments;
-use verbs::plot::PlotArguments;
-use verbs::reproduce::ReproduceArguments;
-use verbs::serve::ServeArguments;
-use verbs::setup::SetupArguments;
-use verbs::shell_files::{CompletionsArguments, ManArguments};
-use verbs::statistics::StatisticsArguments;
-use verbs::windows::WindowsArguments;
 
 /// Predicts satellites that cross astronomical exposures: which, when, where and how bright.
 #[derive(Parser)]
@@ -67,72 +39,72 @@ enum Verb {
     /// List the satellites that cross the field during one exposure, with times, tracks and magnitudes
     ///
     /// The exit status is 1 if no satellite crosses.
-    Passes(Typed<PassesArguments>),
+    Passes(Typed<verbs::passes::PassesArguments>),
     /// Give a verdict for each exposure of a schedule, with reasons and the next clear start
-    Flag(Typed<FlagArguments>),
+    Flag(Typed<verbs::flag::FlagArguments>),
     /// Write a copy of the schedule file with verdicts and streaks added and all other cells unchanged
-    Annotate(Typed<AnnotateArguments>),
+    Annotate(Typed<verbs::annotate::AnnotateArguments>),
     /// Find time windows in which targets can be exposed without a crossing above the limits
-    Windows(Typed<WindowsArguments>),
+    Windows(Typed<verbs::windows::WindowsArguments>),
     /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
-    Forecast(Typed<ForecastArguments>),
+    Forecast(Typed<verbs::forecast::ForecastArguments>),
     /// Compute positions, rates, brightness and along-track errors of chosen satellites at given times
     ///
     /// The exit status is 1 if there is no position.
-    Ephemeris(Typed<EphemerisArguments>),
+    Ephemeris(Typed<verbs::ephemeris::EphemerisArguments>),
     /// Wait until an exposure can start without a crossing, before each frame of Ekos, N.I.N.A. or a script
-    Gate(Typed<GateArguments>),
+    Gate(Typed<verbs::gate::GateArguments>),
     /// Identify the satellite of a measured streak: ranked candidates
     ///
     /// The exit status is 1 if there is no candidate, or none that fits.
-    Identify(Typed<IdentifyArguments>),
+    Identify(Typed<verbs::identify::IdentifyArguments>),
     /// Map magnitudes over the sky of a site or over the directions around a satellite
-    Map(Typed<MapArguments>),
+    Map(Typed<verbs::map::MapArguments>),
     /// Plot nights, fields, light curves, skies and fits as PNG or SVG, with data files
-    Plot(Typed<PlotArguments>),
+    Plot(Typed<verbs::plot::PlotArguments>),
     /// Inject streaks of satellites, or random ones, into frames, with masks and truth tables
     #[cfg(unix)]
-    Inject(Typed<InjectArguments>),
+    Inject(Typed<verbs::inject::InjectArguments>),
     /// Measure the streaks of predicted satellites in frames: magnitude, lateness, offset, or upper limits
     ///
     /// The exit status is 1 if no streak is predicted.
     #[cfg(unix)]
-    Measure(Typed<MeasureArguments>),
+    Measure(Typed<verbs::measure::MeasureArguments>),
     /// Mask the streaks of satellites in frames: mask files, bits of mask planes, regions, polygons on the sky
     #[cfg(unix)]
-    Mask(Typed<MaskArguments>),
+    Mask(Typed<verbs::mask::MaskArguments>),
     /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
-    Fetch(Typed<FetchArguments>),
+    Fetch(Typed<verbs::fetch::FetchArguments>),
     /// Fit a brightness model to photometry
-    Fit(Typed<FitArguments>),
+    Fit(Typed<verbs::fit::FitArguments>),
     /// Learn from measurements how satellites and kinds differ from their brightness models, for --learned
-    Learn(Typed<LearnArguments>),
+    Learn(Typed<verbs::learn::LearnArguments>),
     /// List passes with improbable or periodic brightness, and satellites with trends, compared with learned magnitudes
-    Alarms(Typed<AlarmsArguments>),
+    Alarms(Typed<verbs::alarms::AlarmsArguments>),
     /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
-    Serve(Typed<ServeArguments>),
+    Serve(Typed<verbs::serve::ServeArguments>),
     /// Count sunlit satellites over a site, their magnitudes, and the trails per exposure
-    Statistics(Typed<StatisticsArguments>),
+    Statistics(Typed<verbs::statistics::StatisticsArguments>),
     /// Compare published counts of satellites with computed ones
-    Reproduce(Typed<ReproduceArguments>),
+    Reproduce(Typed<verbs::reproduce::ReproduceArguments>),
     /// List, show and check brightness models
-    Model(Typed<ModelArguments>),
+    Model(Typed<verbs::model::ModelArguments>),
     /// Ask for site, time zone, element sets, camera and limit, and write the home file with the answers
-    Setup(Typed<SetupArguments>),
+    Setup(Typed<verbs::setup::SetupArguments>),
     /// Check the setup: element ages, Earth orientation, clock, site, models, cache
-    Doctor(Typed<DoctorArguments>),
+    Doctor(Typed<verbs::doctor::DoctorArguments>),
     /// List the observatories by name and MPC code
     ///
     /// The exit status is 1 if a search finds nothing.
-    Sites(Typed<ListArguments>),
+    Sites(Typed<verbs::lists::ListArguments>),
     /// List the simulated constellations for --shells, bundled or of a file
     ///
     /// The exit status is 1 if a search finds nothing.
-    Shells(Typed<ShellArguments>),
+    Shells(Typed<verbs::lists::ShellArguments>),
     /// Write the completions of a shell to standard output
-    Completions(Typed<CompletionsArguments>),
+    Completions(Typed<verbs::shell_files::CompletionsArguments>),
     /// Write the manual pages into a folder
-    Man(Typed<ManArguments>),
+    Man(Typed<verbs::shell_files::ManArguments>),
 }
 
 fn main() -> ExitCode {

@@ -11,7 +11,7 @@ use streakcast::output::{
 };
 
 use crate::notices::Notices;
-use crate::screen::{Style, render, terminal_width};
+use crate::screen::{Shown, Style, render, terminal_width};
 use streakcast::message::printable;
 
 /// Argument that stands for standard output.
@@ -73,13 +73,43 @@ fn extension(path: &Path) -> String {
 /// Result of a verb: main table, further tables for JSON, and style on a terminal.
 pub struct VerbResult<'a> {
     /// Arrays of the JSON document in order; they include the main table.
-    pub sections: Vec<Section<'a>>,
-    /// Main table; formats other than JSON contain only this table.
-    pub main: &'a Table,
-    /// Provenance of the result.
-    pub provenance: &'a Provenance,
-    /// Columns and colours on a terminal.
-    pub style: Style<'a>,
+    sections: Vec<Section<'a>>,
+    /// Main table; formats other than JSON and that for terminals contain only this table.
+    main: &'a Table,
+    /// Table of the format for terminals.
+    on_screen: &'a Table,
+    provenance: &'a Provenance,
+    style: Style<'a>,
+}
+
+impl<'a> VerbResult<'a> {
+    /// Returns a result with only its main table, of which a terminal shows `columns`.
+    pub fn new(name: &'a str, main: &'a Table, columns: &'a [Shown], provenance: &'a Provenance) -> Self {
+        let style = Style { columns, bold_row: None };
+        Self { sections: vec![Section { name, table: main }], main, on_screen: main, provenance, style }
+    }
+
+    /// Adds a table to JSON after the others.
+    pub fn with(mut self, name: &'a str, table: &'a Table) -> Self {
+        self.sections.push(Section { name, table });
+        self
+    }
+
+    /// Adds a table to JSON before the others.
+    pub fn after(mut self, name: &'a str, table: &'a Table) -> Self {
+        self.sections.insert(0, Section { name, table });
+        self
+    }
+
+    /// Sets the table that a terminal shows in place of the main one.
+    pub fn shown_as(self, on_screen: &'a Table) -> Self {
+        Self { on_screen, ..self }
+    }
+
+    /// Sets the row in bold type.
+    pub fn bold(self, bold_row: Option<usize>) -> Self {
+        Self { style: Style { bold_row, ..self.style }, ..self }
+    }
 }
 
 /// Destination of a result.
@@ -123,7 +153,7 @@ impl Output {
     pub fn write(&self, result: &VerbResult<'_>, notices: &Notices) -> anyhow::Result<()> {
         let styled = self.is_styled();
         let write_data = |out: &mut dyn Write| match self.format {
-            Format::Table => out.write_all(render(result.main, &result.style, styled, self.width()).as_bytes()),
+            Format::Table => out.write_all(render(result.on_screen, &result.style, styled, self.width()).as_bytes()),
             Format::Csv => write_csv(out, result.main, result.provenance),
             Format::Ecsv => write_ecsv(out, result.main, result.provenance),
             Format::Json => write_json(out, &result.sections, result.provenance),

@@ -50,20 +50,10 @@ impl Config {
             deployment.at(evening_mjd(now, longitude_rad))
         });
         if let Err(error) = deployment {
-            health.findings.push(Finding::new(
-                Severity::Error,
-                SUBJECT,
-                error.to_string(),
-                "names and periods are listed by streakcast shells",
-            ));
+            health.findings.push(Finding::error(SUBJECT, error, "names and periods are listed by streakcast shells"));
         } else if !self.shells.is_empty() {
             let finding = "simulated constellations (--shells): positions do not correspond to real satellites";
-            health.findings.push(Finding::new(
-                Severity::Note,
-                SUBJECT,
-                finding,
-                "specify --elements FILE for real satellites",
-            ));
+            health.findings.push(Finding::note(SUBJECT, finding, "specify --elements FILE for real satellites"));
         }
         let catalogue = match self.catalogue(now) {
             Ok(Some(catalogue)) => catalogue,
@@ -77,7 +67,7 @@ impl Config {
             }
             Err(error) => {
                 let remedy = "specify a file of element sets; streakcast fetch downloads one";
-                health.findings.push(Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy));
+                health.findings.push(Finding::error(SUBJECT, error, remedy));
                 return;
             }
         };
@@ -89,7 +79,7 @@ impl Config {
         let drag = self.drag();
         if let Err(error) = &drag {
             let remedy = "specify --drag station-keeping or --drag published";
-            health.findings.push(Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy));
+            health.findings.push(Finding::error(SUBJECT, error, remedy));
         }
         let state = ElementState::new(&catalogue, &choice, drag.unwrap_or_default(), now);
         health.findings.extend(state.findings(&catalogue, now, source));

@@ -106,13 +106,15 @@ impl EphemerisState {
         let mut found = vec![if self.current == 0 {
             let remedy =
                 "fetch newer ephemerides (streakcast fetch starlink-ephemerides); element sets are used until then";
-            Finding::new(Severity::Warning, SUBJECT, state, remedy)
+            Finding::warning(SUBJECT, state, remedy)
         } else {
             Finding::fine(SUBJECT, state)
         }];
-        found.extend(of_ephemerides_without_elements(&self.without_elements).map(|finding| {
-            Finding::new(Severity::Warning, SUBJECT, finding, "add element sets of these satellites to --elements")
-        }));
+        found.extend(
+            of_ephemerides_without_elements(&self.without_elements).map(|finding| {
+                Finding::warning(SUBJECT, finding, "add element sets of these satellites to --elements")
+            }),
+        );
         found
     }
 }
@@ -226,14 +228,14 @@ impl ElementState {
         };
         let age = format!("{satellites}; {median}; {lateness}");
         found.push(if 2 * self.unknown > self.satellites {
-            Finding::new(Severity::Error, SUBJECT, age, nearer)
+            Finding::error(SUBJECT, age, nearer)
         } else if sigma_s > LARGE_ERROR_S {
             let older = match self.median_of_one_set_s {
                 Some(_) => "",
                 None => ", or add element sets of a week before to --elements",
             };
             let remedy = format!("{nearer}{older}; or use flag with --min-probability or a margin_s of that size");
-            Finding::new(Severity::Warning, SUBJECT, age, remedy)
+            Finding::warning(SUBJECT, age, remedy)
         } else {
             Finding::fine(SUBJECT, age)
         });
@@ -287,14 +289,12 @@ impl ElementState {
         }
         if catalogue.duplicates > 0 {
             let finding = counted(catalogue.duplicates, "duplicate record", "duplicate records");
-            found.push(Finding::new(Severity::Note, SUBJECT, finding, "nothing: each is used once"));
+            found.push(Finding::note(SUBJECT, finding, "nothing: each is used once"));
         }
         if catalogue.superseded > 0 {
             let older = counted(catalogue.superseded, "older record", "older records");
             let finding = format!("{older} of objects with a newer one");
-            found.push(Finding::new(
-                Severity::Note,
-                SUBJECT,
+            found.push(Finding::note(SUBJECT,
                 finding,
                 "nothing: the set closest to the time of the request gives the position, the others the mean motion of Starlinks",
             ));
@@ -338,7 +338,7 @@ impl ElementState {
             finding += &format!(", including {}", constellations.join(", "));
         }
         let remedy = "specify standard magnitudes with --qs-mag, or models in [models] of the configuration file";
-        Finding::new(Severity::Note, SUBJECT, finding, remedy)
+        Finding::note(SUBJECT, finding, remedy)
     }
 }
 

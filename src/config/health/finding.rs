@@ -62,17 +62,27 @@ pub struct Finding {
 
 impl Finding {
     /// Returns a finding with its remedy.
-    pub fn new(
-        severity: Severity,
-        subject: &'static str,
-        finding: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        Self { severity, subject, finding: finding.into(), remedy: remedy.into() }
+    pub fn new(severity: Severity, subject: &'static str, finding: impl ToString, remedy: impl ToString) -> Self {
+        Self { severity, subject, finding: finding.to_string(), remedy: remedy.to_string() }
+    }
+
+    /// Returns a finding of severity `Error`.
+    pub fn error(subject: &'static str, finding: impl ToString, remedy: impl ToString) -> Self {
+        Self::new(Severity::Error, subject, finding, remedy)
+    }
+
+    /// Returns a finding of severity `Warning`.
+    pub fn warning(subject: &'static str, finding: impl ToString, remedy: impl ToString) -> Self {
+        Self::new(Severity::Warning, subject, finding, remedy)
+    }
+
+    /// Returns a finding of severity `Note`.
+    pub fn note(subject: &'static str, finding: impl ToString, remedy: impl ToString) -> Self {
+        Self::new(Severity::Note, subject, finding, remedy)
     }
 
     /// Returns a finding of severity `Fine`, without a remedy.
-    pub fn fine(subject: &'static str, finding: impl Into<String>) -> Self {
+    pub fn fine(subject: &'static str, finding: impl ToString) -> Self {
         Self::new(Severity::Fine, subject, finding, "")
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
     let remedy = "specify a newer table with --eop finals2000A.all (https://datacenter.iers.org)";
     let table = match config.eop_table() {
         Ok(table) => table,
-        Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy)],
+        Err(error) => return vec![Finding::error(SUBJECT, error, remedy)],
     };
     let mut found = vec![status(&table, now, SUBJECT, remedy)];
     let until = leap_seconds_known_until();
@@ -31,9 +31,9 @@ pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
     let known = format!("known until {} (IERS Bulletin C 72)", day(until));
     found.push(if left_days < 0.0 {
         let finding = format!("{known}: a leap second inserted since then makes all times wrong by 1 s");
-        Finding::new(Severity::Warning, "leap seconds", finding, "update streakcast")
+        Finding::warning("leap seconds", finding, "update streakcast")
     } else if left_days < SOON_DAYS {
-        Finding::new(Severity::Note, "leap seconds", known, "update streakcast")
+        Finding::note("leap seconds", known, "update streakcast")
     } else {
         Finding::fine("leap seconds", known)
     });
@@ -49,19 +49,17 @@ fn status(table: &EopTable, now: Epoch, subject: &'static str, remedy: &str) -> 
         EopStatus::Predicted if left_days > SOON_DAYS => {
             Finding::fine(subject, format!("predicted, accurate to metres; the table ends in {left_days:.0} days"))
         }
-        EopStatus::Predicted => {
-            Finding::new(Severity::Note, subject, format!("the table ends in {left_days:.0} days"), remedy)
-        }
+        EopStatus::Predicted => Finding::note(subject, format!("the table ends in {left_days:.0} days"), remedy),
         EopStatus::Expired { last } => {
             let finding = format!("the table ended {}: UT1 = UTC is used, an error of up to 0.9 s (400 m)", day(last));
-            Finding::new(Severity::Warning, subject, finding, remedy)
+            Finding::warning(subject, finding, remedy)
         }
         EopStatus::TooEarly { first } => {
             let finding =
                 format!("the table begins {}: UT1 = UTC is used, an error of up to 0.9 s (400 m)", day(first));
-            Finding::new(Severity::Warning, subject, finding, remedy)
+            Finding::warning(subject, finding, remedy)
         }
-        EopStatus::NoTable => Finding::new(Severity::Warning, subject, "no table: UT1 = UTC is used", remedy),
+        EopStatus::NoTable => Finding::warning(subject, "no table: UT1 = UTC is used", remedy),
     }
 }
 
@@ -77,10 +75,10 @@ pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementS
     if matches!(EopTable::embedded().status(now), EopStatus::Measured | EopStatus::TooEarly { .. }) {
         let finding = format!("{time}, which is before the release of this version of streakcast");
         let remedy = "correct the clock (chrony, w32time); for a time in the past specify --now TIME";
-        Finding::new(Severity::Warning, SUBJECT, finding, remedy)
+        Finding::warning(SUBJECT, finding, remedy)
     } else if elements.is_some_and(ElementState::is_mostly_ahead) {
         let finding = format!("{time}, which is days before most epochs of the elements");
-        Finding::new(Severity::Warning, SUBJECT, finding, "check the clock (chrony, w32time)")
+        Finding::warning(SUBJECT, finding, "check the clock (chrony, w32time)")
     } else {
         Finding::fine(SUBJECT, time)
     }
@@ -92,7 +90,7 @@ pub(super) fn policy(config: &Config) -> Finding {
     let policy = match config.policy() {
         Ok(policy) => policy,
         Err(error) => {
-            return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/reference/configuration.md");
+            return Finding::error(SUBJECT, error, "see docs/reference/configuration.md");
         }
     };
     // The keys and values of the policy file on one line.
@@ -140,7 +138,7 @@ pub(super) fn site(config: &Config, now: Epoch) -> Vec<Finding> {
             };
             return vec![Finding::fine(SUBJECT, format!("{} in orbit, {source}", observer.name()))];
         }
-        Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), "specify another site")],
+        Err(error) => return vec![Finding::error(SUBJECT, error, "specify another site")],
     };
     let (latitude_deg, longitude_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
     let signed_deg = if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg };
@@ -150,10 +148,10 @@ pub(super) fn site(config: &Config, now: Epoch) -> Vec<Finding> {
     )];
     if config.site.lat.is_some() && config.site.height.is_none() {
         let finding = "no height is given: 0 m is used; 2000 m shift a satellite at 550 km by 0.2 deg";
-        found.push(Finding::new(Severity::Note, SUBJECT, finding, "specify --height in metres"));
+        found.push(Finding::note(SUBJECT, finding, "specify --height in metres"));
     }
     if let Some((finding, remedy)) = doubtful_site(&site) {
-        found.push(Finding::new(Severity::Warning, SUBJECT, finding, remedy));
+        found.push(Finding::warning(SUBJECT, finding, remedy));
     }
     found
 }
@@ -165,27 +163,20 @@ pub(super) fn camera(config: &Config) -> Vec<Finding> {
         Ok(Some(telescope)) => found.push(Finding::fine("telescope", telescope.name)),
         Ok(None) => {
             let remedy = "specify --telescope NAME to compute widths and lost pixels";
-            found.push(Finding::new(
-                Severity::Note,
-                "telescope",
-                "not given: widths and lost pixels are not computed",
-                remedy,
-            ));
+            found.push(Finding::note("telescope", "not given: widths and lost pixels are not computed", remedy));
         }
-        Err(error) => {
-            found.push(Finding::new(Severity::Error, "telescope", error.to_string(), "see streakcast flag --help"))
-        }
+        Err(error) => found.push(Finding::error("telescope", error, "see streakcast flag --help")),
     }
     if (config.fov.is_some() || config.field.is_some())
         && let Err(error) = config.field_of_view()
     {
-        found.push(Finding::new(Severity::Error, "field", error.to_string(), "see examples/field.json"));
+        found.push(Finding::error("field", error, "see examples/field.json"));
     }
     for (subject, result) in
         [("photometry", config.photometry().map(drop)), ("models", config.model_choice().map(drop))]
     {
         if let Err(error) = result {
-            found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/reference/model-files.md"));
+            found.push(Finding::error(subject, error, "see docs/reference/model-files.md"));
         }
     }
     found

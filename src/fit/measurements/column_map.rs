@@ -26,6 +26,7 @@ use std::collections::BTreeMap;
 use hifitime::TimeScale;
 
 use crate::error::{Error, ErrorKind};
+use crate::input::json_error;
 use crate::message::Quoted;
 
 /// Quantity that a column contains.
@@ -233,7 +234,7 @@ fn pairs(text: &str) -> Result<Vec<(String, String)>, Error> {
         map.into_iter().map(pair).collect()
     };
     if text.trim_start().starts_with('{') {
-        let map = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
+        let map = serde_json::from_str(text).map_err(|error| wrong(json_error(&error).to_string()))?;
         return listed(map);
     }
     if let Ok(map) = toml::from_str::<BTreeMap<String, serde_json::Value>>(text) {

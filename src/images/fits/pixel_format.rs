@@ -249,11 +249,6 @@ impl<'a> ImageValues<'a> {
         &self.pixels
     }
 
-    /// Converts the image into its pixels.
-    pub fn into_pixels(self) -> Pixels<'a> {
-        self.pixels
-    }
-
     fn count(&self) -> usize {
         match &self.pixels {
             Pixels::U8(values) => values.len(),

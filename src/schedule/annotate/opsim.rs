@@ -23,7 +23,7 @@ const PAGES_PER_STEP: i32 = 16_384;
 
 pub(super) fn annotate(input: &Path, output: &Path, annotation: &Annotation<'_>) -> Result<Vec<PathBuf>, Error> {
     let source = open_read_only(input)?;
-    let of_input = |source| Error::caused(ErrorKind::File, source).in_file("schedule", input);
+    let of_input = |source| error::sqlite(input, source);
     let earlier = earlier_tables(&source).map_err(of_input)?;
     if !annotation.replace && !earlier.is_empty() {
         let names: Vec<&str> = earlier.iter().map(|(_, name)| name.as_str()).collect();

@@ -12,7 +12,7 @@ use super::super::error;
 use super::columns::{Cell, ScheduleFormat};
 use super::raw_table::RawTable;
 use crate::error::Error;
-use crate::input::MOST_ROWS;
+use crate::input::{MOST_ROWS, json_error};
 use crate::message::Quoted;
 
 /// Names of the array of rows if the document is an object.
@@ -196,7 +196,7 @@ impl<'de> serde::Deserialize<'de> for Object<'de> {
 }
 
 fn bad(path: &Path, error: &serde_json::Error) -> Error {
-    Error::format(error.to_string()).in_line("schedule", path, error.line())
+    json_error(error).in_file("schedule", path)
 }
 
 /// Returns the error of a part of the text, with its line in the text.

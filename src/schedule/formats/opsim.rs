@@ -8,7 +8,7 @@ use rusqlite::{Connection, ErrorCode, OpenFlags};
 use super::super::error;
 use super::columns::{Cell, ColumnMap, ScheduleFormat};
 use super::raw_table::RawTable;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::input::MOST_ROWS;
 
 /// Largest total length of text, bytes: 100 bytes for each of the largest number of rows. Rubin's ten-year simulations
@@ -24,7 +24,7 @@ const MOST_INSTRUCTIONS: i32 = 1_000_000_000;
 /// SQLite reports an error.
 pub(in crate::schedule) fn open_read_only(path: &Path) -> Result<Connection, Error> {
     Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
-        .map_err(|source| Error::caused(ErrorKind::File, source).in_file("schedule", path))
+        .map_err(|source| error::sqlite(path, source))
 }
 
 /// Reads the columns of `observations` that a schedule needs, in row order.
@@ -36,7 +36,7 @@ pub(super) fn read(path: &Path) -> Result<RawTable, Error> {
 }
 
 fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result<RawTable, Error> {
-    let sqlite = |source| Error::caused(ErrorKind::File, source).in_file("schedule", path);
+    let sqlite = |source| error::sqlite(path, source);
     let without_end = |what: String| error::format(path, what);
     let mut connection = open_read_only(path)?;
     connection.progress_handler(most_instructions, Some(|| true)).map_err(sqlite)?;

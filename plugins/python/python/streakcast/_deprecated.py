@@ -93,7 +93,7 @@ class DeprecatedQueries(MaskQueries):
             ``blocking="avoid"``, ``acceptable``.
         """
         _warn("next_clear_start", "next_start, or the delays in flag")
-        name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[self._open()[1].blocking]
+        name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[self._engine.blocking]
         column, shape = self._starts(name, target, start, exposure, rotation, band, scale)
         assert column["kind"] == "real"
         return float(column["values"][0]) if shape == () else column["values"].reshape(shape)

@@ -92,9 +92,8 @@ class ExposureQueries(SiteQueries):
 
     def _judged(self, exposures: Mapping[str, FloatArray], bands: Sequence[str], keeps_invalid: bool = False) -> dict[str, Any]:
         """Returns the columns of an `Assessment`. Numbers out of range are an error, or make an exposure ``invalid``."""
-        sky_cache, engine = self._open()
-        result, messages = engine.judge(exposures, bands, keeps_invalid)
-        self._warn_once(sky_cache, messages)
+        result, messages = self._engine.judge(exposures, bands, keeps_invalid)
+        self._warn_once(messages)
         columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]]}
         columns["n_streaks"] = _masked(result["n_streaks"], result["verdict"] >= FIRST_UNJUDGED)
         columns["crosses"] = columns["n_streaks"] > 0
@@ -137,9 +136,8 @@ class ExposureQueries(SiteQueries):
     def _flagged(
         self, exposures: Mapping[str, FloatArray], bands: Sequence[str], output: Output, keeps_invalid: bool = False
     ) -> Table:
-        sky_cache, engine = self._open()
-        columns, messages = engine.flags(exposures, bands, False, keeps_invalid)
-        self._warn_once(sky_cache, messages)
+        columns, messages = self._engine.flags(exposures, bands, False, keeps_invalid)
+        self._warn_once(messages)
         return table_of(_with_integer_ids(columns), output, main=FLAGS)
 
     def annotate(
@@ -176,9 +174,8 @@ class ExposureQueries(SiteQueries):
         StreakcastWarning
             Rows are invalid, or several rows have one identifier.
         """
-        sky_cache, engine = self._open()
-        written, messages = engine.annotate(absolute(schedule), absolute(output), scale, replace)
-        self._warn_once(sky_cache, messages)
+        written, messages = self._engine.annotate(absolute(schedule), absolute(output), scale, replace)
+        self._warn_once(messages)
         return written
 
     def next_start(
@@ -230,9 +227,8 @@ class ExposureQueries(SiteQueries):
     ) -> tuple[Column, tuple[int, ...]]:
         """Returns a column of `flag`, also of later starts from an orbit, and the shape of the exposures."""
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
-        sky_cache, engine = self._open()
-        columns, messages = engine.flags(exposures, bands, True)
-        self._warn_once(sky_cache, messages)
+        columns, messages = self._engine.flags(exposures, bands, True)
+        self._warn_once(messages)
         return next(column for column in columns if column["name"] == name), shape
 
     def passes(
@@ -276,12 +272,10 @@ class ExposureQueries(SiteQueries):
         """
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
         limits = None if limit_mag is None else _limits(limit_mag, shape)
-        sky_cache, engine = self._open()
-        _, default_dark, default_samples = engine.defaults
-        is_dark = default_dark if include_dark is None else bool(include_dark)
-        points = default_samples if samples is None else count(samples, "samples", 0)
-        columns, messages = engine.passes(exposures, is_dark, points, bands, limits)
-        self._warn_once(sky_cache, messages)
+        is_dark = None if include_dark is None else bool(include_dark)
+        points = None if samples is None else count(samples, "samples", 0)
+        columns, messages = self._engine.passes(exposures, is_dark, points, bands, limits)
+        self._warn_once(messages)
         return table_of(_with_integer_ids(columns), output, main=PASSES)
 
     def windows(
@@ -345,10 +339,9 @@ class ExposureQueries(SiteQueries):
         if not length_s > 0.0:
             raise ValueError(f"exposure is {length_s:g} s; allowed: above 0 s, at most 86400 s")
         exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale)
-        sky_cache, engine = self._open()
         lowest = scalar(min_altitude, "deg", "min_altitude")
-        result, messages = engine.clear_windows(exposures, bands, length_s, lowest, blocking, sun)
-        self._warn_once(sky_cache, messages)
+        result, messages = self._engine.clear_windows(exposures, bands, length_s, lowest, blocking, sun)
+        self._warn_once(messages)
         first, last = result["first_start"], result["last_start"]
         length = (last[0] - first[0] + (last[1] - first[1])) * 86_400.0
         if is_qtable(output):
@@ -406,7 +399,7 @@ class ExposureQueries(SiteQueries):
         ra, dec = directions(target)
         jd1, jd2 = to_tai(start, self._scale(scale), "start")
         if rotation is None:
-            rotation = self._open()[1].defaults[0]
+            rotation = self._engine.default_rotation_deg
         length, angle = number(exposure, "s", "exposure"), number(rotation, "deg", "rotation")
         names = ("ra_deg", "dec_deg", "jd1", "jd2", "exposure_s", "rotation_deg")
         parts = (ra, dec, jd1, jd2, length, angle)

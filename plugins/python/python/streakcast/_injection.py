@@ -270,7 +270,7 @@ def inject(
             raise ValueError(f"exposure is {length_s} s; allowed: above 0 s")
         options["exposure"] = f"{length_s!r}s"
 
-    camera = document({key: value for key, value in (("telescope", telescope), ("band", band)) if value is not None})
+    camera = document({"telescope": telescope, "band": band})
     sky_cache, config, setup = None, None, camera
     if model is not None:
         sky_cache, _ = model._open()
@@ -294,9 +294,9 @@ def inject(
         done = _done(files.images[0], target, output, with_mask=not pixels_only)
     for message in dict.fromkeys(result["warnings"]):
         warn(files.shown(message))
-    if model is not None and sky_cache is not None:
+    if model is not None:
         # Old element sets, as in the other methods.
-        model._warn_once(sky_cache, [])
+        model._warn_once([])
     truth = result["truth"] if output is not None else [one for one in result["truth"] if one["name"] != "image"]
     streak_bit, injected_bit = result["bits"]
     return Injected(

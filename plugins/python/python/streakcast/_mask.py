@@ -163,7 +163,7 @@ class MaskQueries(MeasureQueries):
         with as_files([frame], header) as files:
             request["image"] = [*files.paths]
             result = _core.mask(json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache)
-        self._warn_once(sky_cache, [files.shown(message) for message in result["warnings"]])
+        self._warn_once([files.shown(message) for message in result["warnings"]])
         return StreakMask(
             masks=result["masks"],
             streaks=table_of(files.named(result["streaks"]), table, main=_STREAKS),

@@ -179,7 +179,7 @@ class MeasureQueries(ExposureQueries):
             stars=stars, star_colours=star_colours, zero_point=zero_point, zero_point_1s=zero_point_1s, gain=gain, band=band,
             telescope=telescope, table=table,
         )  # fmt: skip
-        self._warn_once(sky_cache, warnings)
+        self._warn_once(warnings)
         return measurements
 
 
@@ -269,9 +269,8 @@ def _measure(
         request["start"] = start if isinstance(start, str) and scale is None else _moment(start, scale)
     if exposure is not None:
         request["exposure"] = f"{scalar(exposure, 's', 'exposure')!r}s"
-    camera = {key: value for key, value in (("telescope", telescope), ("band", band)) if value is not None}
     setup, config, sky_cache = sky
-    setup = {**setup, **document(camera)}
+    setup = {**setup, **document({"telescope": telescope, "band": band})}
     several = frames_of(frames)
     what = "frame" if len(several) == 1 else "frames"
     with streak_files(streaks) as tables, as_files(several, header, what=what) as files:

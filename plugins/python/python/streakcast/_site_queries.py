@@ -135,10 +135,8 @@ class SiteQueries(ModelState):
         else:
             given = [time for time in (start, end) if time is not None]
             times = [dict(zip(("start", "end"), (_core.utc_text(*self._moment(time, scale)) for time in given)))]
-        sky_cache, _ = self._open()
-        setup, config = json.dumps(self._state["setup"]), self._state["config"]
-        result = _core.forecast([json.dumps({**options, **time}) for time in times], setup, config, sky_cache)
-        self._warn_once(sky_cache, result["warnings"])
+        result = _core.forecast([json.dumps({**options, **time}) for time in times], self._engine)
+        self._warn_once(result["warnings"])
         return Forecast(table_of(result["passes"], output, main=FORECAST), table_of(result["nights"], output, main=NIGHTS))
 
     def overhead(
@@ -199,11 +197,9 @@ class SiteQueries(ModelState):
         limits = [float(limit) for limit in np.ravel(number(limit_mag, "mag", "limit_mag"))]
         if limits and not light:
             raise ValueError("limit_mag is given with light=False; allowed: with light=True")
-        sky_cache, engine = self._open()
-        result, warnings = engine.overhead(
-            jd1, jd2, moments.ravel().tolist(), lowest, _dark(include_dark, engine), bool(light), limits, band
-        )
-        self._warn_once(sky_cache, warnings)
+        is_dark = None if include_dark is None else bool(include_dark)
+        result, warnings = self._engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, is_dark, bool(light), limits, band)
+        self._warn_once(warnings)
         return Overhead(**result)
 
     def ephemeris(
@@ -268,10 +264,8 @@ class SiteQueries(ModelState):
         if np.size(jd1) == 0:
             raise ValueError("times is empty; allowed: one time or several")
         request["times"] = [_core.utc_text(*parts) for parts in zip(np.ravel(jd1).tolist(), np.ravel(jd2).tolist())]
-        sky_cache, _ = self._open()
-        setup, config = json.dumps(self._state["setup"]), self._state["config"]
-        table, warnings = _core.ephemeris(json.dumps(request), setup, config, sky_cache)
-        self._warn_once(sky_cache, warnings)
+        table, warnings = _core.ephemeris(json.dumps(request), self._engine)
+        self._warn_once(warnings)
         return table_of(table, output, main=EPHEMERIS)
 
     def identify(
@@ -377,22 +371,15 @@ class SiteQueries(ModelState):
                 place_sigma=place_sigma, time_sigma=time_sigma, angle_sigma=angle_sigma, scale=scale,
             )  # fmt: skip
             listed = count(top, "top", 1)
-            sky_cache, engine = self._open()
-            setup, config = json.dumps(self._state["setup"]), self._state["config"]
-            is_dark = _dark(include_dark, engine)
-            result = _core.identify(json.dumps(request), setup, config, sky_cache, is_dark, listed)
-        self._warn_once(sky_cache, [files.shown(message) for message in result["warnings"]])
+            is_dark = None if include_dark is None else bool(include_dark)
+            result = _core.identify(json.dumps(request), self._engine, is_dark, listed)
+        self._warn_once([files.shown(message) for message in result["warnings"]])
         return Identification(
             table_of(result["candidates"], output, main=CANDIDATES),
             table_of(result["streak"], output, main=STREAK),
             result["n_candidates"],
             result["unknown_probability"],
         )
-
-
-def _dark(include_dark: bool | None, engine: _core.Engine) -> bool:
-    """Returns whether satellites in shadow are included: as given, or else as in the configuration file."""
-    return engine.defaults[1] if include_dark is None else bool(include_dark)
 
 
 def _texts(value: TextLike | None, what: str) -> list[Json]:

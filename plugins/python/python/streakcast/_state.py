@@ -73,6 +73,10 @@ class ModelState:
                 opened = self._opened
         return opened
 
+    @property
+    def _engine(self) -> _core.Engine:
+        return self._open()[1]
+
     def _load(self) -> tuple[_core.SkyCache, _core.Engine]:
         state = self._state
         text, config = json.dumps(state["setup"]), state["config"]
@@ -160,7 +164,7 @@ class ModelState:
     @property
     def mjd_scale(self) -> str | None:
         """Time scale of numbers given as times."""
-        return self._open()[1].time_scale
+        return self._engine.time_scale
 
     def _scale(self, scale: str | None) -> str | None:
         return self.mjd_scale if scale is None else scale
@@ -207,11 +211,11 @@ class ModelState:
         state = self._state
         return json.dumps([state["setup"], state["config"], state["epoch"], state["files"]], sort_keys=True)
 
-    def _warn_once(self, sky_cache: _core.SkyCache, warnings_of_call: list[str]) -> None:
+    def _warn_once(self, warnings_of_call: list[str]) -> None:
         """Issues each warning once per model. Those with other numbers of the same length, as of other nights, are counted
         in one call, and omitted in later calls."""
         similar: dict[str, list[str]] = {}
-        for message in dict.fromkeys([*sky_cache.news(), *warnings_of_call]):
+        for message in dict.fromkeys([*self._open()[0].news(), *warnings_of_call]):
             similar.setdefault(without_numbers(message), []).append(message)
         new = {form: messages for form, messages in similar.items() if form not in self._issued_warnings}
         self._issued_warnings.update(new)

@@ -223,7 +223,7 @@ def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Colum
     if {"visitTime", "numExposures"} <= table.keys() and "exposure_s" not in names:
         snaps, visit_s = _numbers(table["numExposures"], "", "numExposures"), _numbers(table["visitTime"], "s", "visitTime")
         columns["exposure_s"] = np.where(snaps > 1, np.broadcast_to(visit_s, snaps.shape), columns["exposure_s"])
-    default_deg = model._open()[1].defaults[0]
+    default_deg = model._engine.default_rotation_deg
     rotation_deg = columns.get("rotation_deg", np.full(len(columns["jd1"]), np.nan))
     columns["rotation_deg"] = np.where(np.isnan(rotation_deg), default_deg, rotation_deg)
     if "band" in table:

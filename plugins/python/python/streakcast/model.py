@@ -201,12 +201,12 @@ class StreakModel(DeprecatedQueries):
     @property
     def field_radius_deg(self) -> float | None:
         """Radius of a circle that contains the field of view, degrees; `None` without a field."""
-        return self._open()[1].field_radius_deg
+        return self._engine.field_radius_deg
 
     @property
     def field_area_deg2(self) -> float | None:
         """Area of the field of view, square degrees; `None` without a field."""
-        return self._open()[1].field_area_deg2
+        return self._engine.field_area_deg2
 
     def cost_parameters(self, band: str | None = None) -> CostParameters | None:
         """Returns the values that determine ``streak_cost_s`` of exposures in a band; `None` without a telescope.
@@ -220,7 +220,7 @@ class StreakModel(DeprecatedQueries):
         -------
         CostParameters or None
         """
-        parameters = self._open()[1].cost_parameters(band)
+        parameters = self._engine.cost_parameters(band)
         return None if parameters is None else CostParameters(*parameters)
 
     def satellites(self, time: TimeLike, *, scale: str | None = None) -> int:

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use clap::Args;
 use streakcast::learn::{alarm_table, find_alarms};
-use streakcast::output::{Section, counted};
+use streakcast::output::counted;
 use streakcast::passes::LearnedFile;
 
 use super::learn::{ResidualArguments, residuals};
@@ -13,7 +13,7 @@ use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::help::help;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 
 #[derive(Args)]
 pub struct AlarmsArguments {
@@ -86,15 +86,7 @@ pub fn run(typed: AlarmsArguments) -> anyhow::Result<Outcome> {
     found.provenance.state("trends_tested", alarms.trends);
     found.provenance.state("passes_searched_for_periods", alarms.searched);
     let table = alarm_table(&alarms.alarms);
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name: "alarms", table: &table }],
-            main: &table,
-            provenance: &found.provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
-        &notices,
-    )?;
+    output.write(&VerbResult::new("alarms", &table, ON_SCREEN, &found.provenance), &notices)?;
     Ok(Outcome::Done)
 }
 

@@ -13,7 +13,7 @@ use streakcast::config::{AgeBin, ElementState, Finding, Health, MomentSource, Se
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_between;
 use streakcast::input::{is_stream, read_to_string};
-use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, counted, format_utc};
+use streakcast::output::{Column, Kind, Provenance, Table, Value, counted, format_utc};
 use streakcast::schedule::{AgeEffect, VerdictKind};
 
 use super::schedule_verdicts::PreparedSchedule;
@@ -21,7 +21,6 @@ use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
 use crate::help::help;
 use crate::output::{Output, VerbResult};
-use crate::screen::Style;
 use crate::start::begin;
 use crate::verb_tables::value_errors;
 use streakcast::message::printable;
@@ -100,18 +99,11 @@ pub fn run(typed: DoctorArguments, command: &Command) -> anyhow::Result<Outcome>
         );
         let state = health.elements.clone().unwrap_or_default();
         output.write(
-            &VerbResult {
-                sections: vec![
-                    Section { name: "findings", table: &findings },
-                    Section { name: "element_ages", table: &age_table(&state) },
-                    Section { name: "models", table: &kind_table(&state) },
-                    Section { name: "unmatched", table: &unmatched_table(&state) },
-                    Section { name: "cache", table: &cache_table(&cached) },
-                ],
-                main: &findings,
-                provenance: &provenance,
-                style: Style { columns: &[], bold_row: None },
-            },
+            &VerbResult::new("findings", &findings, &[], &provenance)
+                .with("element_ages", &age_table(&state))
+                .with("models", &kind_table(&state))
+                .with("unmatched", &unmatched_table(&state))
+                .with("cache", &cache_table(&cached)),
             &notices,
         )?;
     }
@@ -152,8 +144,7 @@ fn settings_findings(flags: &Config, command: &Command) -> anyhow::Result<Vec<Fi
         }
         findings.push(Finding::fine(SUBJECT, finding));
         let errors = value_errors(command, path)?;
-        findings
-            .extend(errors.into_iter().map(|error| Finding::new(Severity::Error, SUBJECT, error, "correct the value")));
+        findings.extend(errors.into_iter().map(|error| Finding::error(SUBJECT, error, "correct the value")));
         above.extend(given);
     }
     Ok(findings)
@@ -169,7 +160,7 @@ fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
         Ok(totals) => totals,
         Err(error) => {
             let remedy = "specify the inputs of streakcast flag";
-            return Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy);
+            return Finding::error(SUBJECT, error, remedy);
         }
     };
     let all = totals.exposures();
@@ -180,7 +171,7 @@ fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
     };
     const SEE_REASONS: &str = "streakcast flag lists the reasons";
     if invalid == all {
-        return Finding::new(Severity::Error, SUBJECT, visits, SEE_REASONS);
+        return Finding::error(SUBJECT, visits, SEE_REASONS);
     }
     let effect = totals.age_effect();
     let is_large = effect.as_ref().is_some_and(|effect| effect.changed_share >= AgeEffect::LARGE_SHARE);
@@ -188,9 +179,9 @@ fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
     let finding = format!("{visits}; {effect}");
     if is_large {
         let remedy = "use elements closer to the visits (streakcast fetch), or --min-probability";
-        Finding::new(Severity::Warning, SUBJECT, finding, remedy)
+        Finding::warning(SUBJECT, finding, remedy)
     } else if invalid > 0 {
-        Finding::new(Severity::Warning, SUBJECT, finding, SEE_REASONS)
+        Finding::warning(SUBJECT, finding, SEE_REASONS)
     } else {
         Finding::fine(SUBJECT, finding)
     }
@@ -205,7 +196,7 @@ fn cache_findings(
     const SUBJECT: &str = "cache";
     let Some(folder) = folder else {
         let finding = "this system has no cache folder";
-        return vec![Finding::new(Severity::Note, SUBJECT, finding, "specify --cache FOLDER")];
+        return vec![Finding::note(SUBJECT, finding, "specify --cache FOLDER")];
     };
     if cached.is_empty() {
         let finding = format!("no fetched files in {}", folder.display());
@@ -220,18 +211,18 @@ fn cache_findings(
         if !(answer == "200 OK" || answer.starts_with("304")) {
             let remedy = "read the response; streakcast fetch sends a new request after the waiting time";
             let finding = format!("{name}: response of {} at {time}: {answer}", record.source);
-            found.push(Finding::new(Severity::Warning, SUBJECT, finding, remedy));
+            found.push(Finding::warning(SUBJECT, finding, remedy));
         }
         match (file.is_file(), record.fetched_utc.as_deref().and_then(|time| parse_moment(time, None).ok())) {
             (false, Some(_)) => {
                 let finding = format!("{name} was fetched, but the file is missing");
-                found.push(Finding::new(Severity::Warning, SUBJECT, finding, "fetch it again"));
+                found.push(Finding::warning(SUBJECT, finding, "fetch it again"));
             }
             (true, Some(fetched)) => {
                 let days = seconds_between(fetched, now) / 86_400.0;
                 let finding = format!("{name}: {} records, fetched {days:.1} days ago", record.records.unwrap_or(0));
                 found.push(if days > STALE_DAYS {
-                    Finding::new(Severity::Note, SUBJECT, finding, "fetch it again before the night")
+                    Finding::note(SUBJECT, finding, "fetch it again before the night")
                 } else {
                     Finding::fine(SUBJECT, finding)
                 });

@@ -3,15 +3,15 @@
 use crate::arguments::OutputArguments;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, EphemerisConfig, PreparedSky, SATELLITES, SELECTION, SITE, TIMES, state_scales};
+use streakcast::config::{Config, EphemerisConfig, PreparedSky, SATELLITES, SELECTION, SITE, TIMES};
 use streakcast::forecast::{EphemerisRequest, EphemerisRow, ephemeris, ephemeris_table};
-use streakcast::output::{Section, format_utc};
+use streakcast::output::format_utc;
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::output::VerbResult;
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -70,23 +70,15 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
     let table = ephemeris_table(rows);
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "ephemeris", table: &table },
-                Section { name: "left_out", table: &left_out_table(&found.left_out) },
-            ],
-            main: &table,
-            provenance: &prepared.provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
+        &VerbResult::new("ephemeris", &table, ON_SCREEN, &prepared.provenance)
+            .with("left_out", &left_out_table(&found.left_out)),
         &notices,
     )?;
     Ok(if found.points.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
 fn state(prepared: &mut PreparedSky, config: &Config, given: &EphemerisConfig, request: &EphemerisRequest) {
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &request.photometry);
+    config.state_scales(&mut prepared.provenance, &request.photometry);
     prepared.provenance.state(
         "options",
         json!({

@@ -6,7 +6,7 @@ use crate::arguments::OutputArguments;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use streakcast::config::{Config, FIELD, RequiredInput, RulesConfig, SATELLITES, SITE};
-use streakcast::output::{Section, counted};
+use streakcast::output::counted;
 use streakcast::schedule::Shard;
 use streakcast::schedule::{FlagTotals, VerdictKind, flag_table_with_exposures};
 
@@ -15,7 +15,7 @@ use super::schedule_verdicts::PreparedSchedule;
 use crate::failure::Outcome;
 use crate::help::{VerbFlags, help};
 use crate::output::VerbResult;
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 
 #[derive(Args)]
 pub struct FlagArguments {
@@ -121,18 +121,7 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
         let (flags, totals) = prepared.judge()?;
         let flags = flag_table_with_exposures(&flags, &prepared.schedule.exposures);
         let left_out = left_out_table(totals.left_out());
-        output.write(
-            &VerbResult {
-                sections: vec![
-                    Section { name: "flags", table: &flags },
-                    Section { name: "left_out", table: &left_out },
-                ],
-                main: &flags,
-                provenance,
-                style: Style { columns: ON_SCREEN, bold_row: None },
-            },
-            notices,
-        )?;
+        output.write(&VerbResult::new("flags", &flags, ON_SCREEN, provenance).with("left_out", &left_out), notices)?;
         totals
     };
     if typed.fail_on.is_some() {

@@ -7,20 +7,20 @@ use crate::clock::{TONIGHT, set_night, set_tonight};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, ForecastConfig, PreparedSky, SATELLITES, SITE, parse_duration_s, state_scales};
+use streakcast::config::{Config, ForecastConfig, PreparedSky, SATELLITES, SITE, parse_duration_s};
 use streakcast::forecast::{
     AngleType, EmptyNight, Forecast, ForecastRequest, PassColumns, calendar, forecast, light_curve_table, night_table,
     pass_table, readable_table, score_report, tdm,
 };
 use streakcast::geometry::Site;
-use streakcast::output::{Section, counted, format_utc};
+use streakcast::output::{counted, format_utc};
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::local_time::ZoneArguments;
 use crate::output::{EXTENSIONS, FORMATS, Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 /// Help of `--format`, with the additional formats of a forecast.
@@ -181,15 +181,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     }
     if let Some(curves) = &curves {
         let table = light_curve_table(rows());
-        curves.write(
-            &VerbResult {
-                sections: vec![Section { name: "light_curves", table: &table }],
-                main: &table,
-                provenance: &prepared.provenance,
-                style: Style { columns: &[], bold_row: None },
-            },
-            &notices,
-        )?;
+        curves.write(&VerbResult::new("light_curves", &table, &[], &prepared.provenance), &notices)?;
     }
     let utc_offset_s = |epoch| zone.as_ref().map_or(0.0, |zone| zone.ahead_of_utc_h(epoch) * 3600.0);
     match document {
@@ -216,16 +208,11 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
             let passes = pass_table(rows(), columns);
             let columns = if zone.is_some() { BY_LOCAL_TIME } else { BY_UTC };
             output.write(
-                &VerbResult {
-                    sections: vec![
-                        Section { name: "night", table: &night_table(&found, why_empty.as_deref()) },
-                        Section { name: "passes", table: &passes },
-                        Section { name: "left_out", table: &left_out_table(&found.found.left_out) },
-                    ],
-                    main: if output.is_table() { &readable } else { &passes },
-                    provenance: &prepared.provenance,
-                    style: Style { columns, bold_row: brightest(&found) },
-                },
+                &VerbResult::new("passes", &passes, columns, &prepared.provenance)
+                    .after("night", &night_table(&found, why_empty.as_deref()))
+                    .with("left_out", &left_out_table(&found.found.left_out))
+                    .shown_as(&readable)
+                    .bold(brightest(&found)),
                 &notices,
             )?;
         }
@@ -286,8 +273,7 @@ fn site_of(prepared: &PreparedSky) -> anyhow::Result<Site> {
 }
 
 fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig, request: &ForecastRequest) {
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &request.photometry);
+    config.state_scales(&mut prepared.provenance, &request.photometry);
     prepared.provenance.state(
         "options",
         json!({

@@ -10,14 +10,14 @@ use serde_json::json;
 #[cfg(unix)]
 use streakcast::config::streaks_of_table;
 use streakcast::config::{
-    Config, IdentifyConfig, IdentifyPlan, Mark, PreparedSky, RequiredInput, SATELLITES, SITE, STREAK, state_scales,
+    Config, IdentifyConfig, IdentifyPlan, Mark, PreparedSky, RequiredInput, SATELLITES, SITE, STREAK,
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{
     CandidateRow, Identified, IdentifyOptions, Offset, candidate_table, identify_streak, streak_table,
 };
 #[cfg(unix)]
-use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, counted};
+use streakcast::output::{Column, Kind, Provenance, Table, Value, counted};
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
@@ -26,7 +26,7 @@ use crate::help::check;
 use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::VerbResult;
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -134,16 +134,10 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     );
     let candidates = done.table(&prepared, typed.top);
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "streak", table: &streak_table(&plan.streak) },
-                Section { name: "candidates", table: &candidates },
-                Section { name: "left_out", table: &left_out_table(&done.found.left_out) },
-            ],
-            main: &candidates,
-            provenance: &prepared.provenance,
-            style: Style { columns: ON_SCREEN, bold_row: (!candidates.rows.is_empty()).then_some(0) },
-        },
+        &VerbResult::new("candidates", &candidates, ON_SCREEN, &prepared.provenance)
+            .after("streak", &streak_table(&plan.streak))
+            .with("left_out", &left_out_table(&done.found.left_out))
+            .bold((!candidates.rows.is_empty()).then_some(0)),
         &notices,
     )?;
     summary(&notices, &done.found, &prepared.sky);
@@ -175,8 +169,7 @@ fn prepared_for(config: &Config, plan: &IdentifyPlan, notices: &Notices) -> anyh
     let streak = &plan.streak;
     let mut prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
     notices.warn(&prepared.warnings);
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &config.photometry()?);
+    config.state_scales(&mut prepared.provenance, &config.photometry()?);
     Ok(prepared)
 }
 
@@ -280,15 +273,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
     let tables: Vec<String> = typed.streaks.iter().map(|path| path.display().to_string()).collect();
     provenance.state("options", json!({ "streaks": tables, "include_dark": include_dark, "top": typed.top }));
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "candidates", table: &candidates },
-                Section { name: "left_out", table: &left_out },
-            ],
-            main: &candidates,
-            provenance: &provenance,
-            style: Style { columns: OF_TABLES, bold_row: None },
-        },
+        &VerbResult::new("candidates", &candidates, OF_TABLES, &provenance).with("left_out", &left_out),
         &notices,
     )?;
     notices.info(&format!("{}: {} with candidates", counted(count, "streak", "streaks"), count - without.len()));

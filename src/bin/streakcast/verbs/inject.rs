@@ -8,7 +8,7 @@ use anyhow::anyhow;
 use clap::Args;
 use streakcast::Watch;
 use streakcast::config::{Config, INJECTED_STREAKS, InjectionConfig, RequiredInput, SEEING, inject_frames};
-use streakcast::output::{Section, Table};
+use streakcast::output::Table;
 use streakcast::streaks::{InjectedFrame, Injections};
 
 use super::annotate::OUTPUT;
@@ -18,7 +18,6 @@ use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::{Format, Output, VerbResult, cannot_write, check_whole};
 use crate::output::{check, write_bytes};
-use crate::screen::Style;
 
 #[derive(Args)]
 pub struct InjectArguments {
@@ -93,15 +92,7 @@ impl Outputs {
             let (Some(output), Some(first)) = (output, frames.next()) else { continue };
             let mut table = first.clone();
             frames.for_each(|other| table.rows.extend(other.rows.iter().cloned()));
-            output.write(
-                &VerbResult {
-                    sections: vec![Section { name, table: &table }],
-                    main: &table,
-                    provenance: &done.provenance,
-                    style: Style { columns: &[], bold_row: None },
-                },
-                notices,
-            )?;
+            output.write(&VerbResult::new(name, &table, &[], &done.provenance), notices)?;
         }
         Ok(())
     }
@@ -206,44 +197,30 @@ fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
     typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Rejects flags about satellites if random or chosen streaks are injected, because they have no effect then. The
-/// same keys in a
-/// configuration file are accepted, because other verbs use them.
+/// Shared settings without effect on streaks that are not of satellites.
+#[rustfmt::skip]
+const OF_SATELLITES: [&str; 18] = [
+    "extinction", "sun_distance", "earthshine", "shadow", "qs_mag", "accept_bad_checksums", "eop", "site", "mpc", "lat",
+    "lon", "height", "observer_elements", "observer_norad", "limb_height_km", "max_zenith_angle", "min_sun_angle",
+    "min_limb_angle",
+];
+
+/// Rejects flags about satellites if random or chosen streaks are injected, because they have no effect then. The same
+/// keys in a configuration file are accepted, because other verbs use them.
 fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     if typed.injection.has_psf_file() && typed.config.telescope.is_some() {
         return Err(anyhow!(
             "--telescope has no effect with a file of --psf; allowed: --psf gaussian, moffat or double"
         ));
     }
-    let (flags, site) = (&typed.config, &typed.config.site);
-    let of_satellites = [
-        ("--extinction", flags.extinction.is_some()),
-        ("--sun-distance", flags.sun_distance.is_some()),
-        ("--no-earthshine", flags.light.earthshine.is_some()),
-        ("--shadow", flags.shadow.is_some()),
-        ("--qs-mag", flags.qs_mag.is_some()),
-        ("--accept-bad-checksums", flags.accept_bad_checksums.is_some()),
-        ("--eop", flags.eop.is_some()),
-        ("--site", site.named.is_some()),
-        ("--mpc", site.mpc.is_some()),
-        ("--lat", site.lat.is_some()),
-        ("--lon", site.lon.is_some()),
-        ("--height", site.height.is_some()),
-        ("--observer-elements", flags.observer_elements.is_some()),
-        ("--observer-norad", flags.observer_norad.is_some()),
-        ("--limb-height-km", flags.limb_height_km.is_some()),
-        ("--max-zenith-angle", flags.max_zenith_angle.is_some()),
-        ("--min-sun-angle", flags.min_sun_angle.is_some()),
-        ("--min-limb-angle", flags.min_limb_angle.is_some()),
-    ];
-    let given = of_satellites.iter().find(|(_, is_given)| *is_given);
-    match given.filter(|_| typed.injection.is_without_satellites()) {
-        Some((option, _)) => {
-            let streaks = if typed.injection.streaks.is_some() { "streaks of a table" } else { "random streaks" };
-            Err(anyhow::anyhow!("{option} has no effect on {streaks}; allowed: with streaks of satellites"))
-        }
-        None => Ok(()),
+    if typed.injection.is_without_satellites()
+        && let Some(key) = typed.config.given().into_iter().find(|key| OF_SATELLITES.contains(key))
+    {
+        let flag = if key == "earthshine" { "no-earthshine".to_owned() } else { key.replace('_', "-") };
+        let streaks = if typed.injection.streaks.is_some() { "streaks of a table" } else { "random streaks" };
+        return Err(anyhow!("--{flag} has no effect on {streaks}; allowed: with streaks of satellites"));
     }
+    Ok(())
 }
 
 /// Writes pictures of the chip with the longest streak, or of the first chip if there is no streak.

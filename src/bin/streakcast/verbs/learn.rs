@@ -11,7 +11,7 @@ use streakcast::elements::{Generation, GenerationTable, History, NoradId};
 use streakcast::learn::{
     MeasuredDelay, Pass, kind_table, learn, leave_out_table, leave_passes_out, passes_of, read_delays,
 };
-use streakcast::output::{Provenance, Section, counted};
+use streakcast::output::{Provenance, counted};
 use streakcast::passes::ModelChoice;
 use streakcast::photometry::Earthshine;
 
@@ -20,7 +20,7 @@ use crate::failure::Outcome;
 use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult, check, write_bytes};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 /// Photometry, with the kinds and models of its satellites.
@@ -204,14 +204,6 @@ pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
         let rows = leave_passes_out(&found.passes, &found.models, &typed.leave_pass_out);
         ("leave_pass_out", leave_out_table(&rows), LEAVE_OUT_ON_SCREEN)
     };
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name, table: &table }],
-            main: &table,
-            provenance: &found.provenance,
-            style: Style { columns, bold_row: None },
-        },
-        &notices,
-    )?;
+    output.write(&VerbResult::new(name, &table, columns, &found.provenance), &notices)?;
     Ok(Outcome::Done)
 }

@@ -7,14 +7,14 @@ use streakcast::config::Config;
 use streakcast::elements::{Constellation, ConstellationSet, DeploymentPeriod, Shell};
 use streakcast::geometry::Site;
 use streakcast::message::Quoted;
-use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
+use streakcast::output::{Column, Kind, Provenance, Table, Value};
 
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 
 #[derive(Args)]
 pub struct ListArguments {
@@ -89,15 +89,8 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
             .collect(),
     };
     let notices = Notices::new(typed.quiet);
-    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
-        &VerbResult {
-            sections: vec![Section { name: "sites", table: &table }],
-            main: &table,
-            provenance: &Provenance::new(),
-            style: Style { columns: SITES_ON_SCREEN, bold_row: None },
-        },
-        &notices,
-    )?;
+    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?
+        .write(&VerbResult::new("sites", &table, SITES_ON_SCREEN, &Provenance::new()), &notices)?;
     Ok(listed(&table, &typed.search, &notices, "site", "name or code"))
 }
 
@@ -122,45 +115,29 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         false => (Constellation::embedded(), Constellation::embedded_sets()),
     };
     let matches = |name: &str| is_file || name.contains(&search.to_lowercase());
-    let altitudes = |shells: &[Shell]| {
-        let of = |choose: fn(f64, f64) -> f64| shells.iter().map(|shell| shell.altitude_km).reduce(choose);
-        [of(f64::min), of(f64::max)]
-    };
-    let row = |constellation: &Constellation| {
-        let shells = &constellation.shells;
-        let [lowest_km, highest_km] = altitudes(shells);
-        let text = |shell: &Shell| format!("{}/{}", shell.altitude_km, shell.inclination_deg);
-        vec![
-            constellation.name.as_str().into(),
-            constellation.satellites().into(),
-            shells.len().into(),
-            lowest_km.into(),
-            highest_km.into(),
-            constellation.satellites_with_assumed_planes().into(),
-            Value::List(shells.iter().map(text).collect()),
-            constellation.source.as_str().into(),
-        ]
-    };
-    let row_of_several = |name: &str, several: &[&Constellation], source: String| {
-        let total =
-            |of: &dyn Fn(&Constellation) -> usize| several.iter().map(|constellation| of(constellation)).sum::<usize>();
-        let [lowest_km, highest_km] =
-            altitudes(&several.iter().flat_map(|constellation| constellation.shells.clone()).collect::<Vec<_>>());
+    let row = |name: &str, several: &[&Constellation], shells: Vec<String>, source: String| -> Vec<Value> {
+        let total = |of: &dyn Fn(&Constellation) -> usize| several.iter().map(|one| of(one)).sum::<usize>();
+        let altitudes_km = || several.iter().flat_map(|one| &one.shells).map(|shell| shell.altitude_km);
         vec![
             name.into(),
             total(&Constellation::satellites).into(),
             total(&|constellation| constellation.shells.len()).into(),
-            lowest_km.into(),
-            highest_km.into(),
+            altitudes_km().reduce(f64::min).into(),
+            altitudes_km().reduce(f64::max).into(),
             total(&Constellation::satellites_with_assumed_planes).into(),
-            Value::List(Vec::new()),
+            Value::List(shells),
             source.into(),
         ]
+    };
+    let row_of_one = |constellation: &Constellation| {
+        let text = |shell: &Shell| format!("{}/{}", shell.altitude_km, shell.inclination_deg);
+        let shells = constellation.shells.iter().map(text).collect();
+        row(&constellation.name, &[constellation], shells, constellation.source.clone())
     };
     let row_of_set = |set: &ConstellationSet| {
         let of_set: Vec<_> =
             all.iter().filter(|constellation| set.constellations.contains(&constellation.name)).collect();
-        row_of_several(&set.name, &of_set, format!("{}: {}", set.source, set.constellations.join(", ")))
+        row(&set.name, &of_set, Vec::new(), format!("{}: {}", set.source, set.constellations.join(", ")))
     };
     let row_of_period = |period: &DeploymentPeriod| {
         // Without the digits of rounding.
@@ -170,7 +147,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         };
         let shares: Vec<String> = period.constellations.iter().map(share).collect();
         let of_period: Vec<_> = period.constellations.iter().collect();
-        row_of_several(&format!("from {}", period.from), &of_period, shares.join(", "))
+        row(&format!("from {}", period.from), &of_period, Vec::new(), shares.join(", "))
     };
     let table = Table {
         columns: vec![
@@ -194,7 +171,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         rows: all
             .iter()
             .filter(|constellation| matches(&constellation.name))
-            .map(row)
+            .map(row_of_one)
             .chain(sets.iter().filter(|set| matches(&set.name)).map(row_of_set))
             .chain(deployment.periods().map(row_of_period))
             .collect(),
@@ -210,14 +187,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         format!("constellation {} is in no period: it is never in orbit", Quoted::new(&constellation.name))
     });
     notices.warn_first(never, "constellations in no period");
-    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
-        &VerbResult {
-            sections: vec![Section { name: "shells", table: &table }],
-            main: &table,
-            provenance: &Provenance::new(),
-            style: Style { columns: SHELLS_ON_SCREEN, bold_row: None },
-        },
-        &notices,
-    )?;
+    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?
+        .write(&VerbResult::new("shells", &table, SHELLS_ON_SCREEN, &Provenance::new()), &notices)?;
     Ok(listed(&table, &typed.search, &notices, "constellation", "name"))
 }

@@ -5,14 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use streakcast::Watch;
 use streakcast::config::{Config, FRAMES, Mark, MaskConfig, RequiredInput, SATELLITES};
-use streakcast::output::Section;
 
 use super::measure::SITE_OF_FRAME;
 use crate::failure::Outcome;
 use crate::files::check_distinct;
 use crate::help::{VerbFlags, help};
 use crate::output::{Output, VerbResult, check, check_whole, write_bytes};
-use crate::screen::Style;
 use crate::start::begin;
 
 use super::inject::frame_outputs;
@@ -77,15 +75,7 @@ pub fn run(typed: MaskArguments) -> anyhow::Result<Outcome> {
     if let Some(output) = polygons {
         let (corridors, left_out) = (done.corridors(), done.left_out());
         output.write(
-            &VerbResult {
-                sections: vec![
-                    Section { name: "corridors", table: &corridors },
-                    Section { name: "left_out", table: &left_out },
-                ],
-                main: &corridors,
-                provenance: &done.provenance,
-                style: Style { columns: &[], bold_row: None },
-            },
+            &VerbResult::new("corridors", &corridors, &[], &done.provenance).with("left_out", &left_out),
             &notices,
         )?;
     }

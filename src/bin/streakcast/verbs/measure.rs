@@ -10,7 +10,7 @@ use streakcast::config::{Config, FRAMES, Mark, MeasureConfig, Measurements, Requ
 use streakcast::measure::MeasuredPass;
 use streakcast::measure::{ScoreObserver, score_table};
 use streakcast::output::format_utc;
-use streakcast::output::{Provenance, Section, Table, counted};
+use streakcast::output::{Provenance, Table, counted};
 
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
@@ -18,8 +18,8 @@ use crate::failure::Outcome;
 use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::write_bytes;
-use crate::output::{FORMATS, Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::output::{Output, VerbResult};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -117,10 +117,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let observer = observer(&typed, upload)?;
     let output = match upload {
         Some(_) => Output::new(Some("csv"), typed.output.output.clone())?,
-        None => {
-            Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())
-                .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, score, fit"))))?
-        }
+        None => typed.output.clone().open_or(&config, "score, fit")?,
     };
     let cuts = typed.picture.is_some();
     if let Some(path) = &typed.picture {
@@ -157,15 +154,13 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let none = Provenance::default();
     let left_out = left_out_table(&done.left_out);
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "measurements", table: &table },
-                Section { name: "left_out", table: &left_out },
-            ],
-            main: &table,
-            provenance: if upload.is_some() { &none } else { &done.provenance },
-            style: Style { columns: if has_tables { OF_TABLES } else { ON_SCREEN }, bold_row: None },
-        },
+        &VerbResult::new(
+            "measurements",
+            &table,
+            if has_tables { OF_TABLES } else { ON_SCREEN },
+            if upload.is_some() { &none } else { &done.provenance },
+        )
+        .with("left_out", &left_out),
         &notices,
     )?;
     Ok(if done.table.rows.is_empty() { Outcome::No } else { Outcome::Done })

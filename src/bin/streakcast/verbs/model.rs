@@ -7,14 +7,14 @@ use crate::arguments::OutputArguments;
 use clap::{Args, Subcommand};
 use streakcast::config::Config;
 
-use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
+use streakcast::output::{Column, Kind, Provenance, Table, Value};
 use streakcast::photometry::{ModelFile, ModelLibrary};
 
 use crate::failure::Outcome;
 use crate::help::{Typed, help};
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 
 #[derive(Args)]
 pub struct ModelArguments {
@@ -184,14 +184,6 @@ fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {
 }
 
 fn write(output: &Output, table: &Table, quiet: bool) -> anyhow::Result<Outcome> {
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name: "models", table }],
-            main: table,
-            provenance: &Provenance::new(),
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
-        &Notices::new(quiet),
-    )?;
+    output.write(&VerbResult::new("models", table, ON_SCREEN, &Provenance::new()), &Notices::new(quiet))?;
     Ok(Outcome::Done)
 }

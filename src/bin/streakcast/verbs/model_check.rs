@@ -2,14 +2,14 @@
 
 use anyhow::anyhow;
 use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
-use streakcast::output::{Provenance, Section};
+use streakcast::output::Provenance;
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
 
 use super::model::ModelCheckArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 
 const CHECK_ON_SCREEN: &[Shown] = &[
     shown("model", "model"),
@@ -59,14 +59,6 @@ pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
         provenance.state(&format!("photometry {}", set.path()), set.source());
     }
     let table = comparison_table(&rows);
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name: "comparisons", table: &table }],
-            main: &table,
-            provenance: &provenance,
-            style: Style { columns: CHECK_ON_SCREEN, bold_row: None },
-        },
-        &notices,
-    )?;
+    output.write(&VerbResult::new("comparisons", &table, CHECK_ON_SCREEN, &provenance), &notices)?;
     Ok(Outcome::Done)
 }

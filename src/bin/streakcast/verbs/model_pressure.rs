@@ -4,7 +4,7 @@ use anyhow::anyhow;
 use serde_json::json;
 use streakcast::constants::SOLAR_IRRADIANCE_W_M2;
 use streakcast::frames::Direction;
-use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
+use streakcast::output::{Column, Kind, Provenance, Table, Value};
 use streakcast::photometry::BrightnessModel;
 
 use super::map::{model_of, provisional};
@@ -12,7 +12,7 @@ use super::model::{ModelPressureArguments, library_of};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 
 const ON_SCREEN: &[Shown] = &[
     rounded("sun_latitude_deg", "Sun latitude deg", 1),
@@ -52,15 +52,7 @@ pub fn pressure(typed: ModelPressureArguments) -> anyhow::Result<Outcome> {
     provenance.state("solar_irradiance_w_m2", json!(SOLAR_IRRADIANCE_W_M2));
     provenance.state("frame", "body: z to the zenith, x in the half plane of z and the Sun, y = z x x");
     provenance.state("light", "full sunlight at 1 au; no thermal emission, no light of the Earth");
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name: "accelerations", table: &table }],
-            main: &table,
-            provenance: &provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
-        &notices,
-    )?;
+    output.write(&VerbResult::new("accelerations", &table, ON_SCREEN, &provenance), &notices)?;
     Ok(Outcome::Done)
 }
 

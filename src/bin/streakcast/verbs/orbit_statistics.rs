@@ -3,19 +3,19 @@
 use clap::Args;
 use serde_json::json;
 use streakcast::config::{
-    Config, EXPOSURE, FIELD, Quantity, RequiredInput, SATELLITES, TimeRangeConfig, parse_exposure_s, state_scales,
+    Config, EXPOSURE, FIELD, Quantity, RequiredInput, SATELLITES, TimeRangeConfig, parse_exposure_s,
 };
 use streakcast::forecast::{
     TrailRequest, TrailStatistics, trail_angle_table, trail_histogram_table, trail_statistics, trail_table,
 };
-use streakcast::output::{Section, format_utc};
+use streakcast::output::format_utc;
 
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::help::check;
 use crate::output::VerbResult;
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -101,8 +101,7 @@ pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &C
     };
     let found = trail_statistics(&prepared.sky, &request)?;
     notices.warn_left_out(&prepared, &found.left_out, start)?;
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &photometry);
+    config.state_scales(&mut prepared.provenance, &photometry);
     prepared.provenance.state(
         "options",
         json!({
@@ -120,17 +119,10 @@ pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &C
     let table = trail_table(&found, &request);
     let (histogram, angles) = (trail_histogram_table(&found, &request), trail_angle_table(&found, &request));
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "statistics", table: &table },
-                Section { name: "histogram", table: &histogram },
-                Section { name: "position_angles", table: &angles },
-                Section { name: "left_out", table: &left_out_table(&found.left_out) },
-            ],
-            main: &table,
-            provenance: &prepared.provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
+        &VerbResult::new("statistics", &table, ON_SCREEN, &prepared.provenance)
+            .with("histogram", &histogram)
+            .with("position_angles", &angles)
+            .with("left_out", &left_out_table(&found.left_out)),
         &notices,
     )?;
     notices.info(&summary(&found));

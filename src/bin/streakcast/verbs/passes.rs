@@ -9,7 +9,7 @@ use streakcast::config::{
 };
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_after;
-use streakcast::output::{Column, Kind, Section, Table, counted, format_utc};
+use streakcast::output::{Column, Kind, Table, counted, format_utc};
 use streakcast::passes::{Exposure, Pass, PassOptions, Passes};
 use streakcast::schedule::MagnitudeLimit;
 use streakcast::schedule::{FlagRequest, StreakColumns, exposure_table, streak_table};
@@ -18,7 +18,7 @@ use crate::failure::Outcome;
 use crate::help::{VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::VerbResult;
-use crate::screen::{Shown, Style, known_to, rounded, shown};
+use crate::screen::{Shown, known_to, rounded, shown};
 
 #[derive(Args)]
 pub struct PassesArguments {
@@ -100,16 +100,10 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
         .filter(|&row| brightest(&found[row]).is_some())
         .min_by(|&a, &b| brightest(&found[a]).partial_cmp(&brightest(&found[b])).unwrap_or(std::cmp::Ordering::Equal));
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "exposures", table: &exposures },
-                Section { name: "passes", table: &passes },
-                Section { name: "left_out", table: &left_out },
-            ],
-            main: &passes,
-            provenance: &prediction.prepared.provenance,
-            style: Style { columns: ON_SCREEN, bold_row },
-        },
+        &VerbResult::new("passes", &passes, ON_SCREEN, &prediction.prepared.provenance)
+            .after("exposures", &exposures)
+            .with("left_out", &left_out)
+            .bold(bold_row),
         &prediction.notices,
     )?;
     summary(&prediction, found);

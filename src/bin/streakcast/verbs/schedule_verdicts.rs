@@ -74,8 +74,25 @@ impl<'a> RowJudge<'a> {
         Self { schedule, plan, totals: FlagTotals::default(), bar, waiting: BTreeMap::new(), next: 0 }
     }
 
-    /// Judges successive rows, and returns the satellites without a position.
+    /// Judges the rows of a part, and returns the warning about satellites without a position.
     pub fn judge(
+        &mut self,
+        prepared: &PreparedSky,
+        part: &Part,
+        see: See<'_>,
+        take: Take<'_>,
+    ) -> anyhow::Result<Option<String>> {
+        let mut left_out = Vec::new();
+        for rows in &part.rows {
+            left_out.append(&mut self.judge_rows(prepared, rows.clone(), see, take)?);
+        }
+        left_out.sort_by_key(|satellite| satellite.element_index);
+        left_out.dedup_by_key(|satellite| satellite.element_index);
+        Ok(prepared.left_out_warning(&left_out, part.span.0)?)
+    }
+
+    /// Judges successive rows, and returns the satellites without a position.
+    fn judge_rows(
         &mut self,
         prepared: &PreparedSky,
         rows: Range<usize>,
@@ -185,18 +202,12 @@ impl PreparedSchedule {
         let mut judge = RowJudge::new(schedule, plan, notices);
         let mut warned = BTreeSet::new();
         let mut without_position = Vec::new();
-        for (number, Part { rows, span: (first, last) }) in self.parts.iter().enumerate() {
+        for (number, part) in self.parts.iter().enumerate() {
             let later = self.inputs.as_ref().filter(|_| number > 0);
-            let later = later.map(|inputs| inputs.prepare(*first, *last)).transpose()?;
+            let later = later.map(|inputs| inputs.prepare(part.span.0, part.span.1)).transpose()?;
             let Some(prepared) = later.as_ref().or(self.first_sky.as_ref()) else { continue };
             notices.warn(prepared.warnings.iter().filter(|warning| warned.insert((*warning).clone())));
-            let mut left_out = Vec::new();
-            for rows in rows {
-                left_out.append(&mut judge.judge(prepared, rows.clone(), see, take)?);
-            }
-            left_out.sort_by_key(|satellite| satellite.element_index);
-            left_out.dedup_by_key(|satellite| satellite.element_index);
-            without_position.extend(prepared.left_out_warning(&left_out, *first)?);
+            without_position.extend(judge.judge(prepared, part, see, take)?);
         }
         let totals = judge.finish();
         notices.list_left_out(without_position, totals.left_out());

@@ -10,18 +10,18 @@ use clap::Args;
 use serde_json::{Value, json};
 use streakcast::config::{
     Config, ExposureConfig, Quantity, RequiredInput, RulesConfig, SATELLITES, SITE, SiteConfig, parse_duration_s,
-    parse_exposure_s, parse_night, parse_size_deg, state_scales, time_range,
+    parse_exposure_s, parse_night, parse_size_deg, time_range,
 };
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
-use streakcast::output::{Provenance, Section, format_utc};
+use streakcast::output::{Provenance, format_utc};
 use streakcast::schedule::MagnitudeLimit;
 
 use super::orbit_statistics::{self, OrbitStatisticsArguments};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::help::{VerbFlags, help};
-use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::output::VerbResult;
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -129,7 +129,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         );
     }
     StatisticsArguments::HELP.check(&config, &[(&NIGHT, !typed.night.is_empty())])?;
-    let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
+    let output = typed.output.open(&config)?;
     let has_shape = config.field.is_some() || config.telescope.is_some();
     let fov = config.fov.as_ref().map(Quantity::as_str).or((!has_shape).then_some(FIELD));
     let (field_rad, field_sr) = field_size(fov, &config)?;
@@ -221,8 +221,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     if periods.len() > 1 {
         provenance.state("periods", periods);
     }
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut provenance, &scale, &photometry);
+    config.state_scales(&mut provenance, &photometry);
     provenance.state(
         "options",
         json!({
@@ -241,15 +240,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             counts.iter().map(move |count| (*latitude_rad, request, count))
         }));
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "statistics", table: &table },
-                Section { name: "left_out", table: &left_out_table(&left_out) },
-            ],
-            main: &table,
-            provenance: &provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
+        &VerbResult::new("statistics", &table, ON_SCREEN, &provenance).with("left_out", &left_out_table(&left_out)),
         &notices,
     )?;
     Ok(Outcome::Done)

@@ -10,14 +10,14 @@ use hifitime::{Epoch, TimeScale, Unit};
 use serde_json::json;
 use streakcast::config::{
     Config, EXPOSURE, ExposureConfig, FIELD, Quantity, RequiredInput, RulesConfig, SATELLITES, SITE, TimeRangeConfig,
-    parse_duration_s, parse_exposure_s, state_scales,
+    parse_duration_s, parse_exposure_s,
 };
 use streakcast::forecast::Night;
 use streakcast::frames::{Direction, Gcrs};
 use streakcast::input::comments_warning;
 use streakcast::message::known_step_s;
 use streakcast::message::{Quoted, listed as listed_names};
-use streakcast::output::{Column, Kind, Section, Table, Value, counted, format_utc};
+use streakcast::output::{Column, Kind, Table, Value, counted, format_utc};
 use streakcast::passes::Exposure;
 use streakcast::schedule::{
     FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
@@ -28,8 +28,8 @@ use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::help::{VerbFlags, help};
 use crate::local_time::{LocalTime, ZoneArguments};
-use crate::output::{FORMATS, Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::output::{Output, VerbResult};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -120,10 +120,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let shape = typed.output.format.as_deref().and_then(SchedulerFormat::by_name);
     let output = match shape {
         Some(_) => Output::new(Some("json"), typed.output.output.clone())?,
-        None => Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())
-            .map_err(|error| {
-            anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, lco, eso-p2, astroq")))
-        })?,
+        None => typed.output.clone().open_or(&config, "lco, eso-p2, astroq")?,
     };
     let notices = begin(&config)?;
     let zone = typed.zone.or_of(&config)?;
@@ -175,8 +172,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         target.reason().map(|reason| format!("target {name}{what}: {reason}"))
     });
     notices.warn_first(without, "targets without a window or with unknown starts");
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &plan.photometry);
+    config.state_scales(&mut prepared.provenance, &plan.photometry);
     prepared.provenance.state(
         "options",
         json!({
@@ -206,16 +202,9 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             add_local_times(&mut windows, zone);
         }
         output.write(
-            &VerbResult {
-                sections: vec![
-                    Section { name: "windows", table: &windows },
-                    Section { name: "targets", table: &window_target_table(&found) },
-                    Section { name: "left_out", table: &left_out_table(&report.left_out) },
-                ],
-                main: &windows,
-                provenance: &prepared.provenance,
-                style: Style { columns: ON_SCREEN, bold_row: None },
-            },
+            &VerbResult::new("windows", &windows, ON_SCREEN, &prepared.provenance)
+                .with("targets", &window_target_table(&found))
+                .with("left_out", &left_out_table(&report.left_out)),
             &notices,
         )?;
     }

@@ -159,18 +159,7 @@ impl Session<'_> {
     fn download(&self, name: &str) -> anyhow::Result<()> {
         let base = self.manifest.url.rsplit_once('/').map_or("", |(base, _)| base);
         let source = Source { file: name.to_owned(), url: format!("{base}/{name}"), login: None, ..*self.manifest };
-        let check = |bytes: &[u8]| {
-            let read = verify(name, bytes, None, true)?;
-            Ok(FetchRecord {
-                sha256: Some(read.sha256),
-                format: Some(read.format.to_string()),
-                records: Some(read.records),
-                rejected: Some(read.rejected),
-                first_epoch_utc: Some(format_utc(read.first_epoch, 3)),
-                last_epoch_utc: Some(format_utc(read.last_epoch, 3)),
-                ..FetchRecord::default()
-            })
-        };
+        let check = |bytes: &[u8]| Ok(FetchRecord::default().with_contents(&verify(name, bytes, None, true)?));
         self.fetch(&source, &check).map(|_| ())
     }
 

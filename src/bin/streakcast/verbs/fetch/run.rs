@@ -79,16 +79,10 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
                         .map_err(|error| anyhow!("cannot write {}: {error}", file.display()))?;
                     record = FetchRecord {
                         fetched_utc: Some(format_utc(now, 0)),
-                        sha256: Some(read.sha256.clone()),
                         bytes: Some(bytes.len() as u64),
-                        format: Some(read.format.to_string()),
-                        records: Some(read.records),
-                        rejected: Some(read.rejected),
-                        first_epoch_utc: Some(format_utc(read.first_epoch, 3)),
-                        last_epoch_utc: Some(format_utc(read.last_epoch, 3)),
                         etag: validators.etag,
                         last_modified: validators.last_modified,
-                        ..record
+                        ..record.with_contents(&read)
                     };
                     record.stamp(now, source.wait_s, "200 OK");
                     record.write(&file)?;

@@ -4,7 +4,7 @@ use anyhow::anyhow;
 use hifitime::{Epoch, TimeScale};
 use streakcast::frames::parse_moment;
 
-use super::arguments::{CommonFetchArguments, FetchSource};
+use super::arguments::{CommonFetchArguments, DaysArguments, FetchSource, RecordCheckArguments};
 
 /// Interval for CelesTrak, seconds: it updates its data every two hours and rejects earlier requests for the same data
 /// with status 403.
@@ -34,36 +34,30 @@ pub struct Login {
 }
 
 impl FetchSource {
-    pub fn common(&self) -> &CommonFetchArguments {
+    /// Returns the flags of all sources, and those that only some sources have.
+    fn flags(&self) -> (&CommonFetchArguments, Option<&RecordCheckArguments>, Option<&DaysArguments>) {
         match self {
-            FetchSource::Celestrak(typed) => &typed.common,
-            FetchSource::Supgp(typed) => &typed.common,
-            FetchSource::SpaceTrack(typed) => &typed.common,
-            FetchSource::Satchecker(typed) => &typed.common,
-            FetchSource::StarlinkEphemerides(typed) => &typed.common,
+            Self::Celestrak(typed) => (&typed.common, Some(&typed.checks), Some(&typed.days)),
+            Self::Supgp(typed) => (&typed.common, Some(&typed.checks), Some(&typed.days)),
+            Self::SpaceTrack(typed) => (&typed.common, Some(&typed.checks), Some(&typed.days)),
+            Self::Satchecker(typed) => (&typed.common, Some(&typed.checks), None),
+            Self::StarlinkEphemerides(typed) => (&typed.common, None, None),
         }
+    }
+
+    pub fn common(&self) -> &CommonFetchArguments {
+        self.flags().0
     }
 
     /// Returns true if the number of records is not compared with that of the previous file (`--accept-fewer`). The
     /// download of ephemerides does not use this method.
     pub fn accepts_fewer(&self) -> bool {
-        match self {
-            FetchSource::Celestrak(typed) => typed.checks.accept_fewer,
-            FetchSource::Supgp(typed) => typed.checks.accept_fewer,
-            FetchSource::SpaceTrack(typed) => typed.checks.accept_fewer,
-            FetchSource::Satchecker(typed) => typed.checks.accept_fewer,
-            FetchSource::StarlinkEphemerides(_) => false,
-        }
+        self.flags().1.is_some_and(|checks| checks.accept_fewer)
     }
 
     /// Returns whether the folder with the element sets of several days is printed; `None` if the source has none.
     pub fn with_older(&self) -> Option<bool> {
-        match self {
-            FetchSource::Celestrak(typed) => Some(typed.days.with_older),
-            FetchSource::Supgp(typed) => Some(typed.days.with_older),
-            FetchSource::SpaceTrack(typed) => Some(typed.days.with_older),
-            FetchSource::Satchecker(_) | FetchSource::StarlinkEphemerides(_) => None,
-        }
+        self.flags().2.map(|days| days.with_older)
     }
 
     pub fn source(&self) -> anyhow::Result<Source> {

@@ -78,6 +78,19 @@ pub fn retry_after_s(header: Option<&str>, now: Epoch) -> Option<f64> {
 }
 
 impl FetchRecord {
+    /// Returns the record with the SHA-256, format, records and epochs of a file.
+    pub fn with_contents(self, read: &SourceFile) -> Self {
+        Self {
+            sha256: Some(read.sha256.clone()),
+            format: Some(read.format.to_string()),
+            records: Some(read.records),
+            rejected: Some(read.rejected),
+            first_epoch_utc: Some(format_utc(read.first_epoch, 3)),
+            last_epoch_utc: Some(format_utc(read.last_epoch, 3)),
+            ..self
+        }
+    }
+
     pub fn write(&self, file: &Path) -> anyhow::Result<()> {
         let path = Self::sidecar_path(file);
         let text = serde_json::to_string_pretty(self)? + "\n";

@@ -5,14 +5,13 @@ use streakcast::fit::{
     COEFFICIENTS, CompetingForm, baseline_forms, compare_forms, form_score_table, offset_table, paired_model_table,
     paper_tests,
 };
-use streakcast::output::Section;
 
 use super::arguments::FitCompareArguments;
 use super::form::{FittedForm, form};
 use super::points::{provenance, read, weights};
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 
 const STANDINGS_ON_SCREEN: &[Shown] = &[
     shown("model", "model"),
@@ -103,17 +102,10 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
             .map(|()| Outcome::Done);
     }
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "panel_offsets", table: &offsets },
-                Section { name: "rivals", table: &rivals },
-                Section { name: "standings", table: &standings },
-                Section { name: "dropped", table: &dropped },
-            ],
-            main: &standings,
-            provenance: &provenance,
-            style: Style { columns: STANDINGS_ON_SCREEN, bold_row: None },
-        },
+        &VerbResult::new("standings", &standings, STANDINGS_ON_SCREEN, &provenance)
+            .after("rivals", &rivals)
+            .after("panel_offsets", &offsets)
+            .with("dropped", &dropped),
         &input.notices,
     )?;
     Ok(Outcome::Done)

@@ -7,14 +7,14 @@ use streakcast::fit::measurements::{
     AcceptanceLimits, AssociationOptions, RecordReader, Records, identification_table, identify_tracks,
 };
 use streakcast::frames::EopTable;
-use streakcast::output::{Provenance, Section};
+use streakcast::output::Provenance;
 
 use super::arguments::{FitIdentifyArguments, FitReduceArguments};
 use super::photometry;
 use super::points::{provenance, read};
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 const PIXELS_ON_SCREEN: &[Shown] = &[
@@ -54,15 +54,7 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
     if let Some(path) = &typed.picture {
         super::report::pixels_picture(path, input.reduction.as_ref(), typed.layer, &input.notices)?;
     }
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name, table: &table }, Section { name: "dropped", table: &dropped }],
-            main: &table,
-            provenance: &provenance,
-            style: Style { columns, bold_row: None },
-        },
-        &input.notices,
-    )?;
+    output.write(&VerbResult::new(name, &table, columns, &provenance).with("dropped", &dropped), &input.notices)?;
     Ok(Outcome::Done)
 }
 
@@ -120,14 +112,6 @@ pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
     provenance.state("max_range_rms_km", typed.max_range_rms_km);
     provenance.state("max_phase_rms_deg", typed.max_phase_rms_deg);
     provenance.state("least_lead", typed.least_lead);
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name: "tracks", table: &table }],
-            main: &table,
-            provenance: &provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
-        &notices,
-    )?;
+    output.write(&VerbResult::new("tracks", &table, ON_SCREEN, &provenance), &notices)?;
     Ok(if sure > 0 { Outcome::Done } else { Outcome::No })
 }

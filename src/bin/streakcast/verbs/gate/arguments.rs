@@ -56,34 +56,42 @@ pub struct GateArguments {
     /// with exit code 0
     #[arg(long)]
     pub strict: bool,
-    /// Read the job from standard input: ekos (JSON that Ekos sends to its pre-capture script)
-    #[arg(long, value_name = "HOST", help_heading = "Host")]
-    pub stdin: Option<Host>,
-    /// File of target coordinates by name (TOML), for hosts that send only the name
-    #[arg(long, value_name = "FILE", help_heading = "Host")]
-    pub targets: Option<PathBuf>,
-    /// Name of the target in --targets, overridden by the host with --stdin; without --targets a Messier or Caldwell
-    /// object
-    #[arg(long, value_name = "NAME", help_heading = "Host")]
-    pub target: Option<String>,
-    /// Read the pointing from a mount on an INDI server, for example localhost or 10.0.0.2:7624
-    #[arg(long, value_name = "HOST:PORT", help_heading = "Host")]
-    pub indi: Option<Address>,
-    /// Name of the mount, if the INDI server has several
-    #[arg(long, value_name = "NAME", requires = "indi", help_heading = "Host")]
-    pub indi_device: Option<String>,
-    /// Longest time of the run without the wait, with its unit: files, standard input, server and computation; standard
-    /// input and the server may each take half of it
-    #[arg(long, value_name = "TIME", default_value = "10s", help_heading = "Host")]
-    pub timeout: String,
-    /// File of the result and of counters over all runs (JSON), for hosts that show neither output nor log
-    #[arg(long, value_name = "FILE", help_heading = "Host")]
-    pub status_file: Option<PathBuf>,
+    #[command(flatten)]
+    pub host: HostArguments,
     /// Rehearse a run at this time instead of now; waits take no time
     #[arg(long, value_name = "TIME", help_heading = "Time")]
     pub now: Option<String>,
     #[command(flatten)]
     pub config: Config,
+}
+
+/// Flags of the host: its job, its mount and the time and file that it grants.
+#[derive(Clone, Args)]
+#[command(next_help_heading = "Host")]
+pub struct HostArguments {
+    /// Read the job from standard input: ekos (JSON that Ekos sends to its pre-capture script)
+    #[arg(long, value_name = "HOST")]
+    pub stdin: Option<Host>,
+    /// File of target coordinates by name (TOML), for hosts that send only the name
+    #[arg(long, value_name = "FILE")]
+    pub targets: Option<PathBuf>,
+    /// Name of the target in --targets, overridden by the host with --stdin; without --targets a Messier or Caldwell
+    /// object
+    #[arg(long, value_name = "NAME")]
+    pub target: Option<String>,
+    /// Read the pointing from a mount on an INDI server, for example localhost or 10.0.0.2:7624
+    #[arg(long, value_name = "HOST:PORT")]
+    pub indi: Option<Address>,
+    /// Name of the mount, if the INDI server has several
+    #[arg(long, value_name = "NAME", requires = "indi")]
+    pub indi_device: Option<String>,
+    /// Longest time of the run without the wait, with its unit: files, standard input, server and computation; standard
+    /// input and the server may each take half of it
+    #[arg(long, value_name = "TIME", default_value = "10s")]
+    pub timeout: String,
+    /// File of the result and of counters over all runs (JSON), for hosts that show neither output nor log
+    #[arg(long, value_name = "FILE")]
+    pub status_file: Option<PathBuf>,
 }
 
 const GATE_POINTING: RequiredInput = RequiredInput {
@@ -134,12 +142,7 @@ pub struct Flags {
     /// Time at which the result must be known.
     pub deadline: Instant,
     pub strict: bool,
-    pub stdin: Option<Host>,
-    pub targets: Option<PathBuf>,
-    pub target: Option<String>,
-    pub indi: Option<Address>,
-    pub indi_device: Option<String>,
-    pub status_file: Option<PathBuf>,
+    pub host: HostArguments,
 }
 
 impl Flags {
@@ -149,7 +152,7 @@ impl Flags {
     /// # Errors
     /// A flag is invalid or missing. Everything else is a fault, which does not stop a sequence.
     pub fn new(typed: GateArguments, has_invalid_file: bool) -> anyhow::Result<Self> {
-        let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
+        let timeout_s = parse_duration_s("timeout", &typed.host.timeout)?;
         if !(0.1..=MOST_TIMEOUT_S).contains(&timeout_s) {
             return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to {MOST_TIMEOUT_S} s"));
         }
@@ -162,7 +165,7 @@ impl Flags {
             exposure: ExposureConfig {
                 start: None,
                 duration: typed.exposure,
-                target: if typed.targets.is_none() { typed.target.clone() } else { None },
+                target: if typed.host.targets.is_none() { typed.host.target.clone() } else { None },
                 ra: typed.ra,
                 dec: typed.dec,
             },
@@ -193,12 +196,7 @@ impl Flags {
             timeout,
             deadline,
             strict: typed.strict,
-            stdin: typed.stdin,
-            targets: typed.targets,
-            target: typed.target,
-            indi: typed.indi,
-            indi_device: typed.indi_device,
-            status_file: typed.status_file,
+            host: typed.host,
             config,
         };
         // A configuration file or the home file may have what the flags lack.
@@ -209,13 +207,14 @@ impl Flags {
     }
 
     fn check_required(&self, config: &Config) -> anyhow::Result<()> {
-        let has_name = self.targets.is_some() && (self.target.is_some() || self.stdin.is_some());
+        let HostArguments { stdin, targets, target, indi, .. } = &self.host;
+        let has_name = targets.is_some() && (target.is_some() || stdin.is_some());
         let has_pointing = config.exposure.target.is_some() || config.exposure.ra.is_some();
         let answers = [
-            (&GATE_POINTING, has_pointing || has_name || self.indi.is_some()),
-            (&GATE_EXPOSURE, config.exposure.duration.is_some() || self.stdin.is_some()),
+            (&GATE_POINTING, has_pointing || has_name || indi.is_some()),
+            (&GATE_EXPOSURE, config.exposure.duration.is_some() || stdin.is_some()),
             // The site may come from an INDI server.
-            (&SITE, self.indi.is_some() || config.has_viewpoint()),
+            (&SITE, indi.is_some() || config.has_viewpoint()),
         ];
         GateArguments::HELP.check(config, &answers)
     }
@@ -284,7 +283,7 @@ impl Request {
             None => Ok(()),
         };
         let Config { run, home, .. } = &flags.config;
-        stream(&run.file.iter().chain(&home.file).chain(&flags.targets).cloned().collect::<Vec<_>>())?;
+        stream(&run.file.iter().chain(&home.file).chain(&flags.host.targets).cloned().collect::<Vec<_>>())?;
         let config = flags.config.clone().with_file()?;
         stream(&config.files())?;
         flags.check_required(&config)?;
@@ -301,7 +300,7 @@ impl Request {
         let duration_s = duration.map(|exposure| parse_exposure_s(exposure.as_str())).transpose()?;
         let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
         let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
-        let site = if has_site || flags.indi.is_none() { Some(config.site()?) } else { None };
+        let site = if has_site || flags.host.indi.is_none() { Some(config.site()?) } else { None };
         Ok(Self {
             plan: ObservationPlan { policy, ..config.observation()? },
             pointing: config.pointing()?,

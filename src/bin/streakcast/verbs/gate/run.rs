@@ -76,7 +76,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     if let Some((waited_s, first, until)) = result.as_ref().ok().and_then(GateVerdict::start)
         && waited_s > 0.0
     {
-        if let Some(path) = flags.status_file.clone() {
+        if let Some(path) = flags.host.status_file.clone() {
             let of_wait = status.clone();
             // If writing fails, the error is reported when the final status is written.
             if let Ok(Ok(lost)) = within(Instant::now() + rest, move || write_waiting(&path, of_wait)) {
@@ -122,7 +122,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     if outcome.is_ok() {
         notices.info(&line);
     }
-    let Some(path) = flags.status_file.clone() else { return outcome };
+    let Some(path) = flags.host.status_file.clone() else { return outcome };
     let counted = Counted::from_result(&result);
     let written = within(Instant::now() + rest, {
         let path = path.clone();
@@ -165,7 +165,7 @@ fn verdict(
     status: &mut Map<String, Value>,
     notices: &Notices,
 ) -> Result<GateVerdict, Fault> {
-    let job = match flags.stdin {
+    let job = match flags.host.stdin {
         Some(_) => {
             step.begin("reading standard input");
             ekos::read_job(left(flags.deadline, flags.timeout / 2))?
@@ -176,7 +176,7 @@ fn verdict(
         return Ok(GateVerdict::Skipped(format!("a {} frame", job.kind.as_deref().unwrap_or_default().trim())));
     }
     let band = job.as_ref().and_then(ekos::Job::band);
-    let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| flags.target.clone());
+    let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| flags.host.target.clone());
     let duration_s = job.as_ref().and_then(|job| job.exposure).or(request.duration_s);
     let duration_s = match duration_s {
         Some(duration_s) if (0.0..=86_400.0).contains(&duration_s) => duration_s,
@@ -286,18 +286,18 @@ fn pointing_and_site(
     step: &Step,
     status: &mut Map<String, Value>,
 ) -> Result<(Direction<Gcrs>, Site), Fault> {
-    let named = match (&flags.targets, name) {
+    let named = match (&flags.host.targets, name) {
         (Some(path), Some(name)) if request.pointing.is_none() => {
             step.begin(format!("reading {}", path.display()));
             Some(targets::look_up(path, name))
         }
         _ => None,
     };
-    let mount = match &flags.indi {
+    let mount = match &flags.host.indi {
         Some(address) => {
             step.begin(format!("reading the INDI server {address}"));
             let timeout = left(flags.deadline, flags.timeout / 2);
-            let mount = indi::read_mount(address, flags.indi_device.as_deref(), timeout, &flags.clock)?;
+            let mount = indi::read_mount(address, flags.host.indi_device.as_deref(), timeout, &flags.clock)?;
             state(status, "mount", mount.device.as_str());
             if let Some(error_s) = mount.clock_error_s {
                 let message = format!(

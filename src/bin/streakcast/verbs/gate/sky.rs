@@ -47,10 +47,10 @@ pub fn prepare(
     let config = Config { site, ..request.config.clone() };
     let now = flags.clock.now();
     let files = &config.elements;
-    if let Some(path) = &flags.status_file {
+    if let Some(path) = &flags.host.status_file {
         step.begin(format!("reading {}", path.display()));
     }
-    let satellites_before = status_file::read(flags.status_file.as_deref()).satellites;
+    let satellites_before = status_file::read(flags.host.status_file.as_deref()).satellites;
     let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
     step.begin(if names.is_empty() {
         "reading the inputs".to_owned()

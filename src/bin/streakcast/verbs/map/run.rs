@@ -7,7 +7,7 @@ use anyhow::{anyhow, bail};
 use streakcast::config::{Config, SiteConfig};
 use streakcast::geometry::Site;
 use streakcast::maps::{BodyView, Earth, Fact, SkyView};
-use streakcast::output::{Provenance, Section, Table};
+use streakcast::output::{Provenance, Table};
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
 
 use crate::failure::Outcome;
@@ -15,7 +15,7 @@ use crate::notices::Notices;
 #[cfg(unix)]
 use crate::output::write_bytes;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded};
+use crate::screen::{Shown, rounded};
 
 use super::arguments::{MapArguments, MapBodyArguments, MapSkyArguments, MapVerb};
 use super::pictures;
@@ -166,13 +166,5 @@ fn write_table(
     shown: &[Shown],
     notices: &Notices,
 ) -> anyhow::Result<()> {
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name: "directions", table }],
-            main: table,
-            provenance,
-            style: Style { columns: shown, bold_row: None },
-        },
-        notices,
-    )
+    output.write(&VerbResult::new("directions", table, shown, provenance), notices)
 }

@@ -8,7 +8,7 @@ use streakcast::config::Config;
 use streakcast::frames::mjd_utc;
 use streakcast::frames::parse_moment;
 use streakcast::geometry::Site;
-use streakcast::input::{TableRow, TableRows};
+use streakcast::input::{TableRow, TableRows, json_error};
 use streakcast::output::{Provenance, Table, Value as Cell, format_utc};
 
 /// Table with cells as text, as in CSV. Missing values are empty.
@@ -72,28 +72,26 @@ impl Columns {
     }
 
     fn from_json(origin: &str, text: &str, sections: &[&str]) -> anyhow::Result<Self> {
-        let broken = |error: serde_json::Error| anyhow!("table {origin} is not JSON: {error}");
+        let read = serde_json::Deserializer::from_str(text).into_iter::<Value>().collect::<Result<Vec<_>, _>>();
+        let mut values = read.map_err(|error| anyhow!("table {origin} is not JSON: {}", json_error(&error)))?;
         let allowed = sections.join("' or '");
-        let (mut document, rows) = match serde_json::from_str::<Value>(text) {
-            Ok(Value::Array(rows)) => (Map::new(), rows),
-            Ok(Value::Object(mut document)) => match sections.iter().find_map(|section| document.remove(*section)) {
-                Some(Value::Array(rows)) => (document, rows),
-                _ => bail!("table {origin} has no such array; allowed: an array '{allowed}'"),
-            },
-            Ok(_) => bail!(
-                "table {origin} is neither an object nor an array; allowed: an object with an array '{allowed}', or an array of objects"
-            ),
-            // JSON lines: one object per line. The first line is the provenance.
-            Err(error) => {
-                let lines = text.lines().filter(|line| !line.trim().is_empty());
-                let mut rows = lines
-                    .map(serde_json::from_str::<Value>)
-                    .collect::<Result<Vec<_>, _>>()
-                    .map_err(|_| broken(error))?;
-                let is_about = rows.first().is_some_and(|first| first.get("provenance").is_some());
-                let about = if is_about { object(rows.remove(0)).unwrap_or_default() } else { Map::new() };
-                (about, rows)
+        // The first line of JSON lines is the provenance; each other line is a row.
+        let first = values.first().and_then(Value::as_object);
+        let is_about = first.is_some_and(|first| first.len() == 1 && first.contains_key("provenance"));
+        let (mut document, rows) = if values.len() == 1 && !is_about {
+            match values.remove(0) {
+                Value::Array(rows) => (Map::new(), rows),
+                Value::Object(mut document) => match sections.iter().find_map(|section| document.remove(*section)) {
+                    Some(Value::Array(rows)) => (document, rows),
+                    _ => bail!("table {origin} has no such array; allowed: an array '{allowed}'"),
+                },
+                _ => bail!(
+                    "table {origin} is neither an object nor an array; allowed: an object with an array '{allowed}', or an array of objects"
+                ),
             }
+        } else {
+            let about = if is_about { object(values.remove(0)).unwrap_or_default() } else { Map::new() };
+            (about, values)
         };
         let mut names: Vec<String> = Vec::new();
         for key in rows.iter().filter_map(Value::as_object).flat_map(Map::keys) {
@@ -194,6 +192,10 @@ impl Columns {
 
     /// Returns the cells of a column.
     pub fn texts(&self, name: &str) -> anyhow::Result<Vec<&str>> {
+        // JSON without rows has no names of columns.
+        if self.rows.is_empty() && self.names.is_empty() {
+            return Ok(Vec::new());
+        }
         let index = self.names.iter().position(|known| known == name).ok_or_else(|| {
             anyhow!("missing column {name} in the table {}, which has {}", self.origin, self.names.join(", "))
         })?;

@@ -53,18 +53,10 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
             crossings.fold(0.0, |sum, pass| sum + pass.probability_brighter_than(limit))
         });
         let is_judged = !matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid);
-        let middle = exposure.map(|exposure| mjd_utc(exposure.start) + exposure.duration_s / 2.0 / 86_400.0);
-        vec![
-            flag.exposure_id.as_str().into(),
-            exposure.map(|exposure| exposure.start).into(),
-            exposure.map(|exposure| exposure.duration_s).into(),
-            row.band.clone().into(),
-            flag.kind.name().into(),
-            exposure.filter(|_| is_judged).map(|_| flag.n_streaks).into(),
-            exposure.and(bright).into(),
-            flag.brightest_mag.into(),
-            middle.zip(observer.as_ref()).map(|(middle, observer)| sun_altitude_deg(observer, eop, middle)).into(),
-        ]
+        let n_streaks = exposure.filter(|_| is_judged).map(|_| flag.n_streaks);
+        let verdict =
+            [flag.kind.name().into(), n_streaks.into(), exposure.and(bright).into(), flag.brightest_mag.into()];
+        row_of(row, verdict, observer.as_ref(), eop)
     };
     Ok(Exposures {
         table: Table { columns: COLUMNS.to_vec(), rows: rows.map(row).collect() },
@@ -95,21 +87,36 @@ pub fn of_flags(
     let (verdicts, streaks, brightest) =
         (flags.texts("verdict")?, flags.numbers("n_streaks")?, flags.numbers("brightest_mag")?);
     let rows = schedule.exposures.iter().enumerate().map(|(index, row)| {
-        let exposure = row.exposure.as_ref().ok();
-        let middle = exposure.map(|exposure| mjd_utc(exposure.start) + exposure.duration_s / 2.0 / 86_400.0);
-        vec![
-            row.id.as_str().into(),
-            exposure.map(|exposure| exposure.start).into(),
-            exposure.map(|exposure| exposure.duration_s).into(),
-            row.band.clone().into(),
-            verdicts[index].into(),
-            exposure.map(|_| streaks[index]).filter(|number| number.is_finite()).map(|number| number as usize).into(),
-            Value::Null,
-            Some(brightest[index]).filter(|mag| mag.is_finite()).into(),
-            middle.zip(observer).map(|(middle, observer)| sun_altitude_deg(observer, eop, middle)).into(),
-        ]
+        let is_valid = row.exposure.is_ok();
+        let n_streaks = Some(streaks[index]).filter(|number| is_valid && number.is_finite());
+        let n_streaks = n_streaks.map(|number| number as usize);
+        let brightest_mag = Some(brightest[index]).filter(|mag| mag.is_finite());
+        let verdict = [verdicts[index].into(), n_streaks.into(), Value::Null, brightest_mag.into()];
+        row_of(row, verdict, observer, eop)
     });
     Ok(Table { columns: COLUMNS.to_vec(), rows: rows.collect() })
+}
+
+/// Returns a row of the table: `verdict` has the verdict, the numbers of streaks and of bright ones, and the magnitude.
+fn row_of(
+    row: &ScheduledExposure,
+    [verdict, n_streaks, n_bright, brightest_mag]: [Value; 4],
+    observer: Option<&Observer>,
+    eop: &EopTable,
+) -> Vec<Value> {
+    let exposure = row.exposure.as_ref().ok();
+    let middle = exposure.map(|exposure| mjd_utc(exposure.start) + exposure.duration_s / 2.0 / 86_400.0);
+    vec![
+        row.id.as_str().into(),
+        exposure.map(|exposure| exposure.start).into(),
+        exposure.map(|exposure| exposure.duration_s).into(),
+        row.band.clone().into(),
+        verdict,
+        n_streaks,
+        n_bright,
+        brightest_mag,
+        middle.zip(observer).map(|(middle, observer)| sun_altitude_deg(observer, eop, middle)).into(),
+    ]
 }
 
 /// Nights of a table, named by the date of their evening. A night lasts from noon to noon, in local mean time of the

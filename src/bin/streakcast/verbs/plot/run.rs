@@ -1,6 +1,6 @@
 //! Runs the verb of each plot, prints the list of plots (`plot --list`), and draws the plots that `map` also draws.
 
-use streakcast::output::{Column, Kind, Provenance, Section, Table};
+use streakcast::output::{Column, Kind, Provenance, Table};
 
 use super::arguments::{PictureArguments, PlotArguments, PlotBodyArguments, PlotSkyArguments, PlotVerb};
 use super::residuals::Chart;
@@ -8,7 +8,7 @@ use super::target::{Target, data_path, only};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Style, shown};
+use crate::screen::shown;
 use crate::verbs::map::{MapBodyArguments, MapOutputArguments, MapSkyArguments};
 
 pub fn run(typed: PlotArguments) -> anyhow::Result<Outcome> {
@@ -80,15 +80,12 @@ pub fn list() -> anyhow::Result<Outcome> {
         rows: PLOTS.iter().map(|row| row.iter().map(|text| (*text).into()).collect()).collect(),
     };
     Output::new(None, None)?.write(
-        &VerbResult {
-            sections: vec![Section { name: "plots", table: &table }],
-            main: &table,
-            provenance: &Provenance::new(),
-            style: Style {
-                columns: &[shown("plot", "plot"), shown("shows", "shows"), shown("needs", "needs")],
-                bold_row: None,
-            },
-        },
+        &VerbResult::new(
+            "plots",
+            &table,
+            &[shown("plot", "plot"), shown("shows", "shows"), shown("needs", "needs")],
+            &Provenance::new(),
+        ),
         &Notices::new(false),
     )?;
     Ok(Outcome::Done)

@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use streakcast::config::RequiredInput;
-use streakcast::output::{Provenance, Section, Table};
+use streakcast::output::{Provenance, Table};
 use streakcast::plot::{FileOptions, Picture, PictureFormat};
 
 use super::arguments::PictureArguments;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult, check, write_bytes};
-use crate::screen::Style;
 
 /// Output files. They are checked before the computation.
 pub struct Target {
@@ -79,15 +78,7 @@ impl Target {
         let drawn = self.pictures.iter().map(|(path, format)| Ok((path, picture.to_file(*format, &options)?)));
         let drawn = drawn.collect::<anyhow::Result<Vec<_>>>()?;
         if let Some(data) = &self.data {
-            data.write(
-                &VerbResult {
-                    sections: vec![Section { name, table }],
-                    main: table,
-                    provenance,
-                    style: Style { columns: &[], bold_row: None },
-                },
-                notices,
-            )?;
+            data.write(&VerbResult::new(name, table, &[], provenance), notices)?;
         }
         for (path, bytes) in drawn {
             write_bytes(path, &bytes, notices)?;

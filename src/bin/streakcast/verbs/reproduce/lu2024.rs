@@ -19,7 +19,7 @@ use streakcast::fit::{
 use streakcast::frames::seconds_after;
 use streakcast::geometry::Site;
 use streakcast::maps::{Earth, FigurePanel, Grid, PAPER_FIGURES, PaperFigure, SkyView};
-use streakcast::output::{Provenance, Section, counted};
+use streakcast::output::{Provenance, counted};
 use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelFile, ModelLibrary, PhotometryOptions};
 use streakcast::plot::{
     Corner, Picture, ResidualHistogram, blocking_picture, corner, paper_picture, residual_histogram,
@@ -29,7 +29,7 @@ use super::table_one;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult, check, write_bytes};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::verbs::fit::arguments::{PhotometryArguments, TableArguments};
 use crate::verbs::fit::{photometry, report as fit_report, run::this_month};
 
@@ -183,15 +183,7 @@ pub fn run(
     provenance.state("posterior_steps", steps as i64);
     provenance.state("seed", settings.seed as i64);
     let parameters = recovered_table(&found, source.truth.as_ref());
-    let result = VerbResult {
-        sections: vec![
-            Section { name: "reproduced", table: &table },
-            Section { name: "parameters", table: &parameters },
-        ],
-        main: &table,
-        provenance: &provenance,
-        style: Style { columns: ON_SCREEN, bold_row: None },
-    };
+    let result = VerbResult::new("reproduced", &table, ON_SCREEN, &provenance).with("parameters", &parameters);
     for (stem, _, bytes) in &pictures {
         write_bytes(&folder.join(format!("{stem}.png")), bytes, notices)?;
     }

@@ -16,7 +16,7 @@ use streakcast::forecast::{
 use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, mjd_utc, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::output::{Provenance, Section, counted, format_utc};
+use streakcast::output::{Provenance, counted, format_utc};
 use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{Schedule, night_of};
@@ -26,8 +26,8 @@ use super::lu2024::{self, Lu2024Arguments};
 use crate::failure::Outcome;
 use crate::help::help;
 use crate::notices::Notices;
-use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::output::VerbResult;
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
@@ -132,7 +132,7 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
         (_, Some(flag)) => bail!("{flag} has no effect on this paper; allowed: reproduce lu2024"),
         _ => {}
     }
-    let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
+    let output = typed.output.open(&config)?;
     let notices = begin(&config)?;
     let mut provenance = Provenance::new();
     provenance.state("synthetic", true);
@@ -162,15 +162,12 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
     };
     let table = reproduced_table(&rows);
     output.write(
-        &VerbResult {
-            sections: vec![Section { name: "reproduced", table: &table }],
-            main: &table,
-            provenance: &provenance,
-            style: Style {
-                columns: if typed.paper == Paper::Bassa2022 { METHOD_ON_SCREEN } else { ON_SCREEN },
-                bold_row: None,
-            },
-        },
+        &VerbResult::new(
+            "reproduced",
+            &table,
+            if typed.paper == Paper::Bassa2022 { METHOD_ON_SCREEN } else { ON_SCREEN },
+            &provenance,
+        ),
         &notices,
     )?;
     let mut printed: Vec<String> = Vec::new();

@@ -102,18 +102,12 @@ fn load(
         Some((_, schedule)) => {
             let mut judge = RowJudge::new(schedule, plan, notices);
             for (part, sky) in &parts {
-                let mut left_out = Vec::new();
                 let mut keep = |_: &[ScheduledExposure], verdicts: &[Verdict]| {
                     flags.extend_from_slice(verdicts);
                     Ok(())
                 };
-                for rows in &part.rows {
-                    left_out.append(&mut judge.judge(sky, rows.clone(), &mut |_, _, _| {}, &mut keep)?);
-                }
-                left_out.sort_by_key(|omitted| omitted.element_index);
-                left_out.dedup_by_key(|omitted| omitted.element_index);
+                without_position.extend(judge.judge(sky, part, &mut |_, _, _| {}, &mut keep)?);
                 warnings.extend(sky.warnings.iter().cloned());
-                without_position.extend(sky.left_out_warning(&left_out, part.span.0)?);
             }
             judge.finish()
         }

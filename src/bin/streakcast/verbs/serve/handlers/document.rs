@@ -72,23 +72,41 @@ pub fn object_schema(members: &[(&str, Value)]) -> Value {
     json!({"type": "object", "properties": members, "required": names, "additionalProperties": false})
 }
 
-/// Returns the schema of provenance.
-pub fn provenance_schema() -> Value {
-    json!({"type": "object", "description": "Origin of the result: version, elements with hash and epochs, models, time scale, options."})
+/// Returns the schema of a response that begins with its provenance and caveats, and has these members.
+pub fn document_schema(members: &[(&str, Value)]) -> Value {
+    let provenance = json!({"type": "object", "description": "Origin of the result: version, elements with hash and epochs, models, time scale, options."});
+    object_schema(&[&[("provenance", provenance)][..], &caveat_schemas(), members].concat())
 }
 
-/// Returns the schema of the warnings.
-pub fn warnings_schema() -> Value {
-    json!({
+/// Returns the schemas of the warnings and of the number of satellites whose position cannot be computed.
+pub fn caveat_schemas() -> [(&'static str, Value); 2] {
+    let warnings = json!({
         "type": "array",
-        "items": {"type": "string"},
+        "items": text_schema(),
         "description": "The warnings of the command line: age of the elements, satellites left out, invalid records.",
-    })
+    });
+    let left_out = json!({"type": "integer", "minimum": 0, "description": "Number of satellites that are missing from the result because SGP4 cannot compute their position at that time."});
+    [("warnings", warnings), ("left_out_count", left_out)]
 }
 
-/// Returns the schema of the number of satellites whose position cannot be computed.
-pub fn left_out_count_schema() -> Value {
-    json!({"type": "integer", "minimum": 0, "description": "Number of satellites that are missing from the result because SGP4 cannot compute their position at that time."})
+/// Returns the schema of a number.
+pub fn number_schema() -> Value {
+    json!({"type": "number"})
+}
+
+/// Returns the schema of a number or null.
+pub fn optional_number_schema() -> Value {
+    json!({"type": ["number", "null"]})
+}
+
+/// Returns the schema of a text.
+pub fn text_schema() -> Value {
+    json!({"type": "string"})
+}
+
+/// Returns the schema of a number of things.
+pub fn count_schema() -> Value {
+    json!({"type": "integer", "minimum": 0})
 }
 
 fn cell_schema(column: &Column) -> Value {

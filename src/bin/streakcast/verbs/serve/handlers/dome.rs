@@ -8,8 +8,9 @@ use streakcast::passes::{SatelliteTrack, SnapshotOptions};
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
 use super::super::state::RequestState;
-use super::document::{Document, left_out_count_schema, object_schema, provenance_schema, warnings_schema};
-use super::document::{degrees, rounded};
+use super::document::{
+    Document, degrees, document_schema, number_schema, object_schema, optional_number_schema, rounded, text_schema,
+};
 
 pub const PARAMETERS: &[Parameter] = &[
     required("start_utc", Kind::Moment, "Start."),
@@ -108,36 +109,31 @@ fn satellite(state: &RequestState, track: &SatelliteTrack) -> Value {
 }
 
 pub fn schema() -> Value {
-    let number = json!({"type": "number"});
-    let or_null = json!({"type": ["number", "null"]});
     let directions = json!({
         "type": "array",
-        "items": {"type": "array", "items": number, "minItems": 2, "maxItems": 2},
+        "items": {"type": "array", "items": number_schema(), "minItems": 2, "maxItems": 2},
         "description": "Azimuth from north through east and altitude [deg].",
     });
-    let sun = object_schema(&[("altitude_deg", number.clone()), ("azimuth_deg", number.clone())]);
+    let sun = object_schema(&[("altitude_deg", number_schema()), ("azimuth_deg", number_schema())]);
     let magnitudes = json!({
         "type": "array",
-        "items": {"type": "array", "items": or_null},
+        "items": {"type": "array", "items": optional_number_schema()},
         "description": "Rows from the horizon to the zenith, in each the azimuths from 0, every step_deg; null where a satellite is not sunlit [mag].",
     });
     let map = object_schema(&[
-        ("model", json!({"type": "string"})),
-        ("height_km", number.clone()),
-        ("step_deg", number.clone()),
+        ("model", text_schema()),
+        ("height_km", number_schema()),
+        ("step_deg", number_schema()),
         ("magnitudes", magnitudes),
     ]);
     let satellite = object_schema(&[
         ("norad_id", json!({"type": "integer"})),
-        ("name", json!({"type": "string"})),
-        ("magnitude", or_null.clone()),
-        ("magnitude_sigma", or_null),
+        ("name", text_schema()),
+        ("magnitude", optional_number_schema()),
+        ("magnitude_sigma", optional_number_schema()),
         ("track_deg", directions.clone()),
     ]);
-    object_schema(&[
-        ("provenance", provenance_schema()),
-        ("warnings", warnings_schema()),
-        ("left_out_count", left_out_count_schema()),
+    document_schema(&[
         ("sun", sun),
         ("map", map),
         ("shadow_edge_deg", directions),

@@ -14,11 +14,7 @@ use super::super::super::passes::left_out_table;
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
 use super::super::state::{LIMIT_MAG, RequestState};
-use super::document::degrees;
-use super::document::{AROUND, POINTING};
-use super::document::{
-    Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
-};
+use super::document::{AROUND, Document, POINTING, degrees, document_schema, rows_schema};
 use super::target::{TARGET, pointing_of};
 use streakcast::Error;
 
@@ -172,10 +168,7 @@ pub fn schema() -> Value {
     if let Some(required) = passes["items"]["required"].as_array_mut() {
         required.retain(|name| name != "samples" && name != "p_brighter");
     }
-    object_schema(&[
-        ("provenance", provenance_schema()),
-        ("warnings", warnings_schema()),
-        ("left_out_count", left_out_count_schema()),
+    document_schema(&[
         ("exposures", rows_schema(&exposure_table([]).columns)),
         ("flags", rows_schema(&flag_table(&[]).columns)),
         ("passes", passes),

@@ -11,9 +11,7 @@ use super::super::super::passes::left_out_table;
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, moment, number, optional, required};
 use super::super::state::{Caveats, LIMIT_MAG, RequestState};
-use super::document::{
-    Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
-};
+use super::document::{Document, document_schema, rows_schema};
 
 /// Largest number of exposures in a request.
 const MOST: usize = 250;
@@ -116,10 +114,7 @@ fn scheduled(state: &RequestState, row: usize, text: &str, rotation_deg: f64) ->
 }
 
 pub fn schema() -> Value {
-    object_schema(&[
-        ("provenance", provenance_schema()),
-        ("warnings", warnings_schema()),
-        ("left_out_count", left_out_count_schema()),
+    document_schema(&[
         ("exposures", rows_schema(&exposure_table([]).columns)),
         ("flags", rows_schema(&flag_table(&[]).columns)),
         ("left_out", rows_schema(&left_out_table(&[]).columns)),

@@ -13,10 +13,7 @@ use super::super::super::passes::left_out_table;
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
 use super::super::state::RequestState;
-use super::document::{
-    Document, OFFSETS, left_out_count_schema, object_schema, offset_table, provenance_schema, row_schema, rows_schema,
-    warnings_schema,
-};
+use super::document::{Document, OFFSETS, document_schema, offset_table, row_schema, rows_schema};
 use crate::clock::{civil_date, date_of, mean_evening_mjd, night_at};
 
 /// Largest number of points of all passes in a response.
@@ -116,10 +113,7 @@ pub fn schema() -> Value {
     let night =
         Night { start: at, end: at, max_sun_altitude_rad: None, dark: vec![], lowest_sun_rad: 0.0, lowest_sun_at: at };
     let nothing = Forecast { night, found: VisiblePasses::default(), late: (0, 0.0) };
-    object_schema(&[
-        ("provenance", provenance_schema()),
-        ("warnings", warnings_schema()),
-        ("left_out_count", left_out_count_schema()),
+    document_schema(&[
         ("date", json!({"type": "string", "description": "The evening's local date."})),
         (
             "utc_offset_h",

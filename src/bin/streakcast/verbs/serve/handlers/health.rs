@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::state::RequestState;
-use super::document::object_schema;
+use super::document::{count_schema, object_schema, text_schema};
 
 pub fn handle(state: &RequestState, _: &Query) -> Result<String, Problem> {
     let document = json!({
@@ -18,11 +18,10 @@ pub fn handle(state: &RequestState, _: &Query) -> Result<String, Problem> {
 }
 
 pub fn schema() -> Value {
-    let count = json!({"type": "integer", "minimum": 0});
     object_schema(&[
         ("status", json!({"type": "string", "enum": ["ok"]})),
-        ("version", json!({"type": "string"})),
-        ("satellites", count.clone()),
-        ("exposures", count),
+        ("version", text_schema()),
+        ("satellites", count_schema()),
+        ("exposures", count_schema()),
     ])
 }

@@ -10,10 +10,9 @@ use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, optional};
 use super::super::state::{LIMIT_MAG, RequestState};
 use super::document::{
-    Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
+    Document, NIGHTS, OFFSETS, SCHEDULED, SITE, SUN, degrees, document_schema, number_schema, object_schema,
+    offset_table, optional_number_schema, row_schema, rows_schema, text_schema,
 };
-use super::document::{NIGHTS, OFFSETS, SCHEDULED, SITE, SUN};
-use super::document::{degrees, offset_table};
 use crate::clock::{civil_date, date_of, mean_evening_mjd};
 use streakcast::Error;
 
@@ -133,28 +132,24 @@ fn scheduled_row(scheduled: &ScheduledExposure) -> Vec<Cell> {
 }
 
 pub fn schema() -> Value {
-    let number = json!({"type": "number"});
-    let text = json!({"type": "string"});
-    let outline = json!({"type": "array", "items": {"type": "array", "items": number, "minItems": 2, "maxItems": 2}});
+    let outline =
+        json!({"type": "array", "items": {"type": "array", "items": number_schema(), "minItems": 2, "maxItems": 2}});
     let field =
-        object_schema(&[("outlines_deg", json!({"type": "array", "items": outline})), ("radius_deg", number.clone())]);
-    object_schema(&[
-        ("provenance", provenance_schema()),
-        ("warnings", warnings_schema()),
-        ("left_out_count", left_out_count_schema()),
-        ("night", text.clone()),
+        object_schema(&[("outlines_deg", json!({"type": "array", "items": outline})), ("radius_deg", number_schema())]);
+    document_schema(&[
+        ("night", text_schema()),
         ("nights", rows_schema(&NIGHTS)),
-        ("from_utc", text.clone()),
-        ("to_utc", text.clone()),
-        ("utc_offset_h", number.clone()),
+        ("from_utc", text_schema()),
+        ("to_utc", text_schema()),
+        ("utc_offset_h", number_schema()),
         ("utc_offsets", rows_schema(&OFFSETS)),
         ("site", row_schema(&SITE)),
         ("field", field),
-        ("limit_mag", json!({"type": ["number", "null"]})),
-        ("max_delay_s", number),
-        ("band", text.clone()),
-        ("mag_system", text.clone()),
-        ("models", json!({"type": "array", "items": text})),
+        ("limit_mag", optional_number_schema()),
+        ("max_delay_s", number_schema()),
+        ("band", text_schema()),
+        ("mag_system", text_schema()),
+        ("models", json!({"type": "array", "items": text_schema()})),
         ("exposures", rows_schema(&SCHEDULED)),
         ("flags", rows_schema(&flag_table(&[]).columns)),
         ("sun", rows_schema(&SUN)),

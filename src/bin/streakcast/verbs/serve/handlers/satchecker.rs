@@ -13,8 +13,9 @@ use streakcast::passes::{Exposure, Field, Pass, PassOptions, Sky, SnapshotOption
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, TRUTH, number, optional, required};
 use super::super::state::{Caveats, RequestState};
-use super::document::rounded;
-use super::document::{left_out_count_schema, object_schema, warnings_schema};
+use super::document::{
+    caveat_schemas, count_schema, number_schema, object_schema, optional_number_schema, rounded, text_schema,
+};
 use super::satchecker_positions::{position, position_schema};
 
 const LATITUDE: Parameter =
@@ -310,30 +311,27 @@ fn streak(pass: &Pass) -> Value {
 }
 
 pub fn passes_schema() -> Value {
-    let (number, or_null, text) =
-        (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));
     let streak = object_schema(&[
-        ("enter_utc", text.clone()),
-        ("exit_utc", text.clone()),
-        ("streak_length_deg", number.clone()),
-        ("position_angle_deg", number.clone()),
-        ("angular_rate_deg_s", number.clone()),
-        ("magnitude_peak", or_null),
-        ("probability", number),
+        ("enter_utc", text_schema()),
+        ("exit_utc", text_schema()),
+        ("streak_length_deg", number_schema()),
+        ("position_angle_deg", number_schema()),
+        ("angular_rate_deg_s", number_schema()),
+        ("magnitude_peak", optional_number_schema()),
+        ("probability", number_schema()),
     ]);
-    let orbital = json!({"type": "object", "additionalProperties": {"type": "string"}});
+    let orbital = json!({"type": "object", "additionalProperties": text_schema()});
     let mut satellite = object_schema(&[
-        ("name", text.clone()),
+        ("name", text_schema()),
         ("norad_id", json!({"type": "integer"})),
         ("positions", json!({"type": "array", "items": position_schema(&["angle"])})),
         ("streaks", json!({"type": "array", "items": streak})),
     ]);
     satellite["properties"]["orbital_data"] = orbital.clone();
-    let count = json!({"type": "integer", "minimum": 0});
     let grouped = object_schema(&[
         ("satellites", json!({"type": "object", "additionalProperties": satellite})),
-        ("total_satellites", count.clone()),
-        ("total_position_results", count),
+        ("total_satellites", count_schema()),
+        ("total_position_results", count_schema()),
     ]);
     let mut each = position_schema(&["angle", "name", "norad_id"]);
     each["properties"]["orbital_data"] = orbital;
@@ -345,21 +343,14 @@ pub fn above_schema() -> Value {
 }
 
 fn listed_schema(item: Value) -> Value {
-    let count = json!({"type": "integer", "minimum": 0});
     with_source_schema(&[
         ("data", json!({"type": "array", "items": item})),
-        ("count", count.clone()),
-        ("total_position_results", count),
+        ("count", count_schema()),
+        ("total_position_results", count_schema()),
     ])
 }
 
 fn with_source_schema(members: &[(&str, Value)]) -> Value {
-    let text = json!({"type": "string"});
-    let ends = [
-        ("source", text.clone()),
-        ("version", text),
-        ("warnings", warnings_schema()),
-        ("left_out_count", left_out_count_schema()),
-    ];
-    object_schema(&[members, &ends].concat())
+    let ends = [("source", text_schema()), ("version", text_schema())];
+    object_schema(&[members, &ends, &caveat_schemas()].concat())
 }

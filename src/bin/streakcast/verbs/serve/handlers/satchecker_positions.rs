@@ -5,8 +5,7 @@ use streakcast::frames::utc_jd;
 use streakcast::output::format_utc;
 use streakcast::passes::{Sky, TrackPoint};
 
-use super::document::object_schema;
-use super::document::rounded;
+use super::document::{number_schema, object_schema, optional_number_schema, rounded, text_schema};
 
 /// Decimals of angles and dates in SatChecker.
 const DECIMALS: i32 = 8;
@@ -43,30 +42,28 @@ fn date_time(epoch: hifitime::Epoch) -> String {
 
 /// Returns the schema of a position with additional members.
 pub fn position_schema(more: &[&'static str]) -> Value {
-    let (number, or_null, text) =
-        (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));
     let mut members = vec![
-        ("ra", number.clone()),
-        ("dec", number.clone()),
-        ("altitude", or_null.clone()),
-        ("azimuth", or_null.clone()),
-        ("range_km", number.clone()),
-        ("julian_date", number.clone()),
-        ("date_time", text.clone()),
-        ("tle_epoch", text.clone()),
-        ("orbital_data_epoch", text.clone()),
+        ("ra", number_schema()),
+        ("dec", number_schema()),
+        ("altitude", optional_number_schema()),
+        ("azimuth", optional_number_schema()),
+        ("range_km", number_schema()),
+        ("julian_date", number_schema()),
+        ("date_time", text_schema()),
+        ("tle_epoch", text_schema()),
+        ("orbital_data_epoch", text_schema()),
         ("illuminated", json!({"type": "boolean"})),
-        ("phase_angle_deg", number.clone()),
-        ("apparent_magnitude", or_null.clone()),
-        ("apparent_magnitude_uncert", or_null),
+        ("phase_angle_deg", number_schema()),
+        ("apparent_magnitude", optional_number_schema()),
+        ("apparent_magnitude_uncert", optional_number_schema()),
         ("mag_source", json!({"type": ["string", "null"]})),
-        ("epoch_age_days", number.clone()),
+        ("epoch_age_days", number_schema()),
     ];
     members.extend(more.iter().map(|name| {
         let schema = match *name {
-            "name" => text.clone(),
+            "name" => text_schema(),
             "norad_id" => json!({"type": "integer"}),
-            _ => number.clone(),
+            _ => number_schema(),
         };
         (*name, schema)
     }));
