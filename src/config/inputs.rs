@@ -10,7 +10,7 @@ use super::error;
 use super::required::SATELLITES;
 use super::values::ModelSource;
 use crate::elements::{
-    Constellation, Deployment, DeploymentFile, Generation, Keep, ReadOptions, Satellites, SourceFile,
+    Constellation, Deployment, DeploymentFile, ElementSet, Generation, Keep, ReadOptions, Satellites, SourceFile,
 };
 use crate::error::Error;
 use crate::frames::EopTable;
@@ -39,6 +39,12 @@ impl LoadedInputs {
     /// Returns the files of element sets that were read; empty if all satellites are synthetic.
     pub fn sources(&self) -> &[SourceFile] {
         self.catalogue.as_ref().map_or(&[], |catalogue| &catalogue.sources)
+    }
+
+    /// Returns true if the files have element sets of several epochs of an object, of which each sky uses the closest.
+    pub fn has_choice_of_sets(&self) -> bool {
+        let is_same = |pair: &[ElementSet]| pair[0].norad_id == pair[1].norad_id;
+        self.catalogue.as_ref().is_some_and(|catalogue| catalogue.element_sets.windows(2).any(is_same))
     }
 }
 

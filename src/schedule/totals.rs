@@ -13,7 +13,8 @@ use crate::output::counted;
 /// Estimate of how many verdicts would change if the satellite positions had no error.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AgeEffect {
-    /// Median age of the element sets at the exposures, days; negative if their epochs are later than the exposures.
+    /// Median age of the element sets at the exposures, days, without signs; negative if most of their epochs are later
+    /// than the exposures.
     /// The median is over the satellites listed in verdicts or, if no verdict lists one, over all that may cross.
     pub median_age_days: f64,
     /// True if the medians are over satellites listed in verdicts, false if over all that may cross.
@@ -146,7 +147,8 @@ impl FlagTotals {
         let (changed, judged) = self.changes;
         let median_of = |value: fn(&SatelliteAge) -> f64| median(ages.iter().map(value).collect());
         (judged > 0 && !ages.is_empty()).then(|| AgeEffect {
-            median_age_days: median_of(|age| age.element_age_days),
+            median_age_days: median_of(|age| age.element_age_days.abs())
+                .copysign(median_of(|age| age.element_age_days)),
             is_of_crossings,
             lateness_s: median_of(|age| age.along_track_sigma_s),
             changed_share: changed / judged as f64,

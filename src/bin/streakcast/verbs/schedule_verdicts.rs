@@ -28,8 +28,8 @@ const ROWS_AT_A_TIME: usize = 1000;
 pub struct PreparedSchedule {
     pub schedule: Schedule,
     plan: ObservationPlan,
-    /// Rows by their satellites, in the order of their first rows. Only constellations that grow, or a schedule without
-    /// a valid row, make more or less than one part.
+    /// Rows by their satellites, in the order of their first rows: one part, or one for each night or period. A schedule
+    /// without a valid row has none.
     parts: Vec<Part>,
     /// Sky of the first part. The others are prepared when they are used, so that few are in memory.
     first_sky: Option<PreparedSky>,
@@ -148,7 +148,7 @@ impl PreparedSchedule {
         if let Some(annotated) = annotated {
             check_extension(path, schedule.format, annotated)?;
         }
-        // The sky is prepared for the whole schedule, so that all batch shares use the same element sets.
+        // The parts depend on the whole schedule, so that all batch shares use the same element sets.
         let judgeable = span(&schedule);
         let mut statement = schedule.statement(path);
         statement["shard"] = shard.map(|shard| shard.to_string()).into();
@@ -163,7 +163,7 @@ impl PreparedSchedule {
         };
         // Without a valid time the sky cannot be prepared. If there are more shares than nights, some have no rows.
         let (parts, inputs) = match judgeable.filter(|_| !schedule.exposures.is_empty()) {
-            Some(span) => parts(config, &schedule, span)?,
+            Some(span) => parts_and_inputs(config, &schedule, span)?,
             None => (Vec::new(), None),
         };
         let first_sky = parts.first().map(|Part { span: (first, last), .. }| match &inputs {
@@ -172,8 +172,12 @@ impl PreparedSchedule {
         });
         let first_sky = first_sky.transpose()?;
         let mut provenance = first_sky.as_ref().map_or_else(Provenance::new, |sky| sky.provenance.clone());
-        if let (Some(inputs), Some(sky)) = (&inputs, &first_sky) {
-            state_periods(&mut provenance, inputs, sky, parts.iter().map(|part| part.span.0))?;
+        if let (Some(inputs), Some(sky), Some(span)) = (&inputs, &first_sky, judgeable) {
+            let periods = self::parts(config, &schedule, span)?;
+            state_periods(&mut provenance, inputs, sky, periods.iter().map(|part| part.span.0))?;
+            if inputs.has_choice_of_sets() {
+                provenance.state("element_sets", "closest to the middle of each night");
+            }
         }
         let ObservationPlan { policy, telescope, photometry, .. } = &plan;
         let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
@@ -262,27 +266,46 @@ impl PreparedSchedule {
     }
 }
 
-/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites. The inputs are returned
-/// if there are constellations that grow.
-pub fn parts(
+/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites: nights, if there are several
+/// and the files have element sets of several epochs. The inputs are returned if there are several skies.
+fn parts_and_inputs(
     config: &Config,
     schedule: &Schedule,
     (first, last): (Epoch, Epoch),
 ) -> anyhow::Result<(Vec<Part>, Option<LoadedInputs>)> {
+    let longitude_rad = config.viewpoint_longitude_rad(Some(first))?;
+    let night = |epoch| evening_mjd(epoch, longitude_rad);
+    if night(first) == night(last) {
+        return Ok((parts(config, schedule, (first, last))?, None));
+    }
+    let inputs = config.load()?;
+    let parts = match inputs.has_choice_of_sets() {
+        true => divided(schedule, night),
+        false => parts(config, schedule, (first, last))?,
+    };
+    Ok((parts, Some(inputs)))
+}
+
+/// Divides the rows of a schedule from `first` to `last` into parts with the same simulated satellites.
+pub fn parts(config: &Config, schedule: &Schedule, (first, last): (Epoch, Epoch)) -> anyhow::Result<Vec<Part>> {
     let deployment = config.deployment()?;
     if deployment.periods().next().is_none() {
         let rows = std::iter::once(0..schedule.exposures.len()).collect();
-        return Ok((vec![Part { rows, span: (first, last) }], None));
+        return Ok(vec![Part { rows, span: (first, last) }]);
     }
     let longitude_rad = config.viewpoint_longitude_rad(Some(first))?;
+    Ok(divided(schedule, |start| deployment.periods_begun(evening_mjd(start, longitude_rad))))
+}
+
+/// Divides the rows of a schedule into parts with the same key, a function of the shutter opening.
+fn divided<Key: Ord>(schedule: &Schedule, key: impl Fn(Epoch) -> Key) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
-    let mut by_period: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut by_key: BTreeMap<Key, usize> = BTreeMap::new();
     let mut previous = None;
     for (row, scheduled) in schedule.exposures.iter().enumerate() {
         let Ok(exposure) = &scheduled.exposure else { continue };
         let (start, end) = (exposure.start, seconds_after(exposure.start, exposure.duration_s));
-        let period = deployment.periods_begun(evening_mjd(start, longitude_rad));
-        let part = *by_period.entry(period).or_insert_with(|| {
+        let part = *by_key.entry(key(start)).or_insert_with(|| {
             parts.push(Part { rows: Vec::new(), span: (start, end) });
             parts.len() - 1
         });
@@ -303,7 +326,7 @@ pub fn parts(
     if let Some(rows) = previous.and_then(|part| parts[part].rows.last_mut()) {
         rows.end = schedule.exposures.len();
     }
-    Ok((parts, Some(config.load()?)))
+    parts
 }
 
 /// States the simulated constellations of each period, if there are several; `sky` is that of the first of `starts`,

@@ -178,12 +178,12 @@ fn skies_of(
 ) -> anyhow::Result<(SkiesOfParts, Skies)> {
     let deployment = config.deployment()?;
     let parts = schedule.map(|schedule| schedule_verdicts::parts(config, schedule, (first, last))).transpose()?;
-    let (parts, inputs) = parts.unwrap_or_default();
+    let parts = parts.unwrap_or_default();
     if deployment.periods().next().is_none() {
         let sky = Arc::new(config.prepare(first, last)?);
         return Ok((parts.into_iter().map(|part| (part, Arc::clone(&sky))).collect(), Skies::One(sky)));
     }
-    let inputs = inputs.map_or_else(|| config.load(), Ok)?;
+    let inputs = config.load()?;
     let longitude_rad = config.viewpoint_longitude_rad(Some(first))?;
     let period = |epoch| deployment.periods_begun(evening_mjd(epoch, longitude_rad));
     let mut of_schedule = BTreeMap::new();
