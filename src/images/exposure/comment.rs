@@ -97,6 +97,13 @@ const COMPUTERS: &str = "computer pc host laptop workstation system";
 const COMPUTER_CLOCKS: &str = "time clock timestamp date";
 const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
 
+/// Words of times that are near the start only, unless the comment states a part of the exposure, and of times that are
+/// near that part.
+const PULSES: &str = "trigger triggered pps 1pps strobe";
+const APPROXIMATE: &str = "approximate approximately approx about nominal";
+/// Beginnings of statements of the uncertainty of a time.
+const UNCERTAINTIES: &[&str] = &["+/-", "+-", "accura", "uncertain", "error", "within", "tolerance"];
+
 const UNCLEAR: &str = "perhaps of another part of the exposure, or of another event,";
 
 /// Returns true if a list of words contains a word, in upper or lower case.
@@ -289,6 +296,24 @@ impl Comment {
                 is_word && offset.len() <= 5 && offset.contains(|c: char| ('1'..='9').contains(&c))
             })
         })
+    }
+
+    /// Returns the uncertainty of the time that the comment states, seconds, as in "+/- 30 s" or "accurate to 1 min".
+    pub fn uncertainty_s(&self) -> Option<f64> {
+        let lower = self.text.to_ascii_lowercase();
+        UNCERTAINTIES.iter().find_map(|mark| {
+            let rest = lower.split_once(mark)?.1;
+            let rest = &rest[rest.find(|c: char| c.is_ascii_digit())?..];
+            let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.'))?;
+            let unit = rest[end..].trim_start().split(|c: char| !c.is_ascii_alphabetic()).next()?;
+            Some(rest[..end].parse::<f64>().ok()? * seconds_in(unit)?)
+        })
+    }
+
+    /// Returns true if the comment states that the time is only near the part of the exposure, or, if it states none,
+    /// that it is the time of a pulse.
+    pub fn is_approximate(&self) -> bool {
+        self.has(APPROXIMATE) || (self.has(PULSES) && self.parts().0.is_empty())
     }
 
     /// Returns the digits after `TAI -`; `None` if there are none.

@@ -5,8 +5,9 @@ use hifitime::{Epoch, TimeScale, TimeUnits};
 use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 
+use super::super::card::CardValue;
 use super::super::header::Header;
-use super::comment::Role;
+use super::comment::{Comment, Role};
 use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, unreadable};
 use super::length::{Length, STATED_S, length};
 use super::moment::Keywords;
@@ -30,6 +31,9 @@ const COARSE_S: f64 = 10.0;
 
 /// Word of TIMESYS for a clock that is not exactly in the scale (NOAO: `UTC approximate`).
 const APPROXIMATE: &str = "APPROXIMATE";
+
+/// Beginnings of keywords of the offset of a local time from universal time, without hyphens.
+const ZONES: &[&str] = &["TIMEZON", "TZ", "UTOFF", "UTCOFF", "GMTOFF"];
 
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
@@ -243,8 +247,18 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         }
     }
     if first.slack_s > START_SLACK_S {
-        remarks.push(format!("the start of {} is uncertain by {:.1} s, by its digits", first.from, first.slack_s));
+        let from = &first.from;
+        remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
+    if let Some(comment) = comment_of(keywords, &first).filter(Comment::is_approximate) {
+        remarks.push(format!(
+            "the start is that of {}, by its comment {:?} perhaps another instant; for another one specify --start",
+            first.from,
+            comment.text()
+        ));
+    }
+    remarks.extend(other_parts(&instants, &first, duration_s));
+    remarks.extend(zone(keywords, &instants, &first));
     let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
     remarks.extend(
         approximate.map(|(keyword, name)| format!("{keyword} is {name:?}: times are read as {}", scale_name(&name))),
@@ -315,11 +329,62 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
     Some(Error::invalid(format!("start of {}", start.from), given, allowed))
 }
 
+/// Returns the comment of the keyword of the start.
+fn comment_of(keywords: Keywords<'_>, start: &Start) -> Option<Comment> {
+    let (header, name) = keywords.find(start.from.split(' ').next()?)?;
+    Some(keywords.comment(header, &name))
+}
+
 /// Returns true if TIMESYS or the comment of the keyword of the start states UTC.
 fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
     let by_keyword = timesys(keywords).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
-    let keyword = start.from.split(' ').next().unwrap_or_default();
-    by_keyword || keywords.text_and_comment(keyword).is_some_and(|(.., comment)| comment.is_universal())
+    by_keyword || comment_of(keywords, start).is_some_and(|comment| comment.is_universal())
+}
+
+/// Returns a sentence about the zone of a header in which nothing states that the start is in universal time.
+fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<String> {
+    let (name, value) = keywords.cards().find_map(|card| {
+        let name = card.keyword();
+        let bare = name.replace(['-', '_', ' '], "");
+        let value = match card.value()? {
+            CardValue::Integer(hours) => hours.to_string(),
+            CardValue::Real(hours) => hours.to_string(),
+            CardValue::Text(text) => text.trim().to_owned(),
+            _ => return None,
+        };
+        let is_zero = value.parse::<f64>() == Ok(0.0) || Comment::new(&value).is_universal();
+        (ZONES.iter().any(|zone| bare.starts_with(zone)) && !value.is_empty() && !is_zero).then_some((name, value))
+    })?;
+    // A scale, another clock of universal time, or a different local time show that the start is not local.
+    let is_stated = timesys(keywords).is_some()
+        || comment_of(keywords, start).is_some_and(|comment| comment.is_universal())
+        || start.from.contains("UT")
+        || instants.found.iter().any(|instant| instant.from.contains("UT"))
+        || !instants.local_clocks.is_empty();
+    (!is_stated).then(|| {
+        format!("{} is read as UTC, and {name} is {value}: if it is a local time, specify --start", start.from)
+    })
+}
+
+/// Returns sentences about middles and ends in keywords of other names that do not fit the exposure.
+fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<String> {
+    let sentence = |other: &Instant| {
+        let part = if other.role == Role::Middle { "middle" } else { "end" };
+        let expected_s = if other.role == Role::Middle { duration_s / 2.0 } else { duration_s };
+        let late_s = seconds_between(start.epoch, other.epoch) - expected_s;
+        let slack_s = STATED_S + start.slack_s + other.slack_s + SHIFT_SLACK * duration_s;
+        (late_s.abs() > slack_s).then(|| {
+            let side = if late_s > 0.0 { "later" } else { "earlier" };
+            format!(
+                "{} is {:.1} s {side} than the {part} of the exposure, by the start of {}: for another exposure specify \
+                 --start and --exposure",
+                other.from,
+                late_s.abs(),
+                start.from
+            )
+        })
+    };
+    instants.others.iter().filter_map(sentence).collect()
 }
 
 /// Returns the error of a date and a time of day of the middle or the end, if the start is on the day before and

@@ -6,6 +6,7 @@ use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
+use super::super::card::CardValue;
 use super::comment::{Comment, Role};
 use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution};
 
@@ -44,7 +45,10 @@ const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "SHUT-OPEN"];
 const LOOSE_DATES: &[&str] = &["MJD", "JD"];
 
 /// Keywords of the middle and of the end of the exposure.
-const MIDDLES: &[&str] = &["DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID"];
+const MIDDLES: &[&str] = &[
+    "DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID", "UT-MID", "UTC-MID", "TIME-MID",
+    "MIDTIME",
+];
 const ENDS: &[&str] = &[
     "DATE-END",
     "MJD-END",
@@ -100,7 +104,7 @@ pub struct Instant {
     pub from: String,
     /// Its value as written.
     pub value: String,
-    /// Rounding error of its digits, seconds.
+    /// Rounding error of its digits, or the uncertainty that its comment states, seconds.
     pub slack_s: f64,
     pub role: Role,
     /// True for keywords that are used only if no other keyword gives the start.
@@ -114,6 +118,8 @@ pub struct Instant {
 #[derive(Default)]
 pub struct Instants {
     pub found: Vec<Instant>,
+    /// Middles and ends in keywords of other names, such as OBS-END, which are only compared.
+    pub others: Vec<Instant>,
     /// Error of a date with a year of two digits, or with an ambiguous order.
     pub unclear: Option<Error>,
     /// Error of a date without a time.
@@ -142,9 +148,10 @@ impl Instants {
             reader.days(keyword, Role::Start, false)?;
         }
         // SDSS writes the seconds of TAI since MJD 0.
-        if let Some((from, seconds, _)) = keywords.number(&["TAI"], |seconds| seconds > 1e9) {
-            let epoch = epoch_from_mjd(seconds / DAY_S, TimeScale::TAI).ok();
-            reader.instants.found.extend(epoch.map(|epoch| instant(epoch, from, Role::Start)));
+        if let Some((from, seconds, comment)) = keywords.number(&["TAI"], |seconds| seconds > 1e9)
+            && let Ok(epoch) = epoch_from_mjd(seconds / DAY_S, TimeScale::TAI)
+        {
+            reader.add(instant(epoch, from, Role::Start), &seconds.to_string(), &[Comment::new(&comment)]);
         }
         for keyword in OTHER_STARTS {
             reader.any_form(keyword, Role::Start)?;
@@ -163,6 +170,7 @@ impl Instants {
         for keyword in END_TIMES {
             reader.clock(keyword, Role::End, true);
         }
+        reader.other_parts();
         for keyword in LOCAL_TIMES {
             let clock = keywords.text_and_comment(keyword).and_then(|(name, text, _)| Some((name, clock_in(&text)?)));
             reader.instants.local_clocks.extend(clock);
@@ -215,6 +223,54 @@ impl Reader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Reads dates with a time and day numbers in other keywords whose name or comment states the middle or the end, such
+    /// as OBS-END and MIDMJD.
+    fn other_parts(&mut self) {
+        let known = [
+            DATES,
+            TIMES,
+            LOOSE_TIMES,
+            MODIFIED_DATES,
+            JULIAN_DATES,
+            OTHER_STARTS,
+            LOOSE_DATES,
+            MIDDLES,
+            ENDS,
+            END_TIMES,
+        ]
+        .concat();
+        for card in self.keywords.cards() {
+            let name = card.keyword();
+            let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
+            let named =
+                if has(&["MID"]) { Some(Role::Middle) } else { has(&["END", "STOP", "CLOS"]).then_some(Role::End) };
+            let comment = Comment::new(&card.comment());
+            let role = match comment.role(named) {
+                Ok(Some(role)) if role != Role::Start && comment.scale().is_ok() => role,
+                _ => continue,
+            };
+            if known.iter().any(|keyword| is_spelling(keyword, &name)) {
+                continue;
+            }
+            let scale = self.scale_of(&comment);
+            let (epoch, slack_s) = match card.value() {
+                Some(CardValue::Text(text)) => match parse_date(&text, scale) {
+                    DateText::Moment(epoch) => (Some(epoch), 0.0),
+                    _ => continue,
+                },
+                Some(CardValue::Real(days)) if days > 1e6 => {
+                    (epoch_from_jd(days, scale).ok(), resolution(card) * DAY_S)
+                }
+                Some(CardValue::Real(days)) if name.contains("MJD") || comment.has("mjd") => {
+                    (epoch_from_mjd(days, scale).ok(), resolution(card) * DAY_S)
+                }
+                _ => continue,
+            };
+            let other = epoch.map(|epoch| Instant { slack_s, ..instant(epoch, name, role) });
+            self.instants.others.extend(other);
+        }
     }
 
     /// Combines a date with the time of day in another keyword. Returns false if there is none.
@@ -386,6 +442,8 @@ impl Reader<'_> {
             Ok(role) => {
                 let is_without_seconds = value.trim_end_matches("+00:00").matches(':').count() == 1;
                 let slack_s = if is_without_seconds { MINUTE_S } else { instant.slack_s };
+                let stated_s = comments.iter().filter_map(Comment::uncertainty_s);
+                let slack_s = stated_s.fold(slack_s, f64::max);
                 let (role, value) = (role.unwrap_or(usual), value.to_owned());
                 self.instants.found.push(Instant { role, value, slack_s, ..instant });
             }
