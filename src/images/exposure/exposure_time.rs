@@ -8,9 +8,9 @@ use crate::frames::{seconds_after, seconds_between};
 use super::super::card::CardValue;
 use super::super::header::Header;
 use super::comment::{Comment, Role};
-use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, unreadable};
+use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, NAMED_STARTS, unreadable};
 use super::length::{Length, STATED_S, length};
-use super::moment::Keywords;
+use super::moment::{Keywords, is_spelling};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 
 /// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
@@ -22,6 +22,8 @@ const SHIFT_SLACK: f64 = 0.1;
 
 /// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
 const LOOSE_END_S: f64 = 60.0;
+/// Part of the exposure time up to which a readout may be included in the end (48 s after 300 s at MegaCam of the CFHT).
+const READOUT_SHARE: f64 = 0.25;
 /// Time by which a clock of the telescope may be before the start, seconds.
 const LOOSE_START_S: f64 = 10.0;
 
@@ -132,9 +134,10 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         let loose_s = if end.is_loose { LOOSE_END_S + length.seconds } else { 0.0 };
         let digits_s = start.slack_s + end.slack_s;
         let slack_s = START_SLACK_S + digits_s + SHIFT_SLACK * length.seconds;
+        let readout_s = digits_s + LOOSE_END_S.min(READOUT_SHARE * length.seconds);
         let late_s = span_s - length.seconds;
         let given = format!("{} s, but it is {span_s:.1} s from {} to {}", length.seconds, start.from, end.from);
-        if !(-slack_s..=slack_s + loose_s).contains(&late_s) {
+        if !(-slack_s..=readout_s.max(slack_s + loose_s)).contains(&late_s) {
             let allowed = if span_s > 0.0 {
                 format!(
                     "an exposure without gaps; specify --exposure {span_s:.0}s for the whole span, or --start and \
@@ -149,7 +152,7 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
             let use_of = &length.keyword;
             remarks.push(format!("{use_of} is {given}: {use_of} is used; for another span specify --exposure"));
         }
-        is_confirmed |= !end.is_loose && end.slack_s <= COARSE_S;
+        is_confirmed |= !end.is_loose && late_s <= slack_s && end.slack_s <= COARSE_S;
     }
     Ok(is_confirmed)
 }
@@ -212,6 +215,9 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         // the exposure. Days may be cut off to the digit before.
         let is_clock = other.from.starts_with("UT");
         let early_s = if is_clock { LOOSE_START_S } else { 0.0 } + if other.is_loose { other.slack_s } else { 0.0 };
+        // UT of Subaru is that of the start, with the comment "typical UTC at the exposure (middle".
+        let is_read_early = other.is_loose && other.role == Role::Middle && states_start(keywords, &first);
+        let early_s = early_s + if is_read_early { duration_s / 2.0 } else { 0.0 };
         let late_s = if other.is_loose { LOOSE_END_S + duration_s } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
@@ -299,7 +305,8 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
     let coarse = || {
         let instant = instants.found.first()?;
         let given = format!("{:?}, uncertain by {:.0} s", instant.value, instant.slack_s);
-        let allowed = "a time with seconds, or days with four decimals or more, in this or another keyword, or --start";
+        let allowed =
+            "a time to 10 s (with seconds, or days with four decimals), in this or another keyword, or --start";
         Some(Error::invalid(instant.from.clone(), given, allowed))
     };
     let missing = || Error::invalid("start of the exposure", "missing", START_KEYWORDS);
@@ -339,6 +346,14 @@ fn comment_of(keywords: Keywords<'_>, start: &Start) -> Option<Comment> {
 fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
     let by_keyword = timesys(keywords).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
     by_keyword || comment_of(keywords, start).is_some_and(|comment| comment.is_universal())
+}
+
+/// Returns true if the name or the comment of the keyword of the start states the start.
+fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
+    let name = start.from.split(' ').next_back().unwrap_or_default();
+    let comment = keywords.find(name).map(|(header, name)| keywords.comment(header, &name));
+    NAMED_STARTS.iter().any(|known| is_spelling(known, name))
+        || comment.is_some_and(|comment| matches!(comment.role(None), Ok(Some(Role::Start))))
 }
 
 /// Returns a sentence about the zone of a header in which nothing states that the start is in universal time.

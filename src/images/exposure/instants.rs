@@ -67,7 +67,7 @@ const ENDS: &[&str] = &[
 const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UTC-STOP", "TIME-STOP", "TM-END"];
 
 /// Keywords whose names state that they refer to the start.
-const NAMED_STARTS: &[&str] = &[
+pub(super) const NAMED_STARTS: &[&str] = &[
     "DATE-BEG",
     "DATE-STR",
     "MJD-BEG",
@@ -81,7 +81,9 @@ const NAMED_STARTS: &[&str] = &[
     "SHUT-OPEN",
     "TIME-BEG",
     "UT-START",
+    "UT-STR",
     "UTC-START",
+    "UTC-STR",
     "TM-START",
 ];
 
@@ -93,6 +95,9 @@ const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "L
 
 /// Rounding error of a time without seconds, seconds.
 const MINUTE_S: f64 = 60.0;
+
+/// Rounding error of one reading of a clock in two forms, seconds.
+const SAME_READING_S: f64 = 0.01;
 
 /// Largest difference between two instants that are computed from the same clock, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
@@ -251,6 +256,11 @@ impl Reader<'_> {
                 Ok(Some(role)) if role != Role::Start && comment.scale().is_ok() => role,
                 _ => continue,
             };
+            // BJD_TDB, JD_TT
+            let in_name = Comment::new(&name);
+            if in_name.role(None).is_err() || in_name.scale() != Ok(None) {
+                continue;
+            }
             if known.iter().any(|keyword| is_spelling(keyword, &name)) {
                 continue;
             }
@@ -444,7 +454,11 @@ impl Reader<'_> {
                 let slack_s = if is_without_seconds { MINUTE_S } else { instant.slack_s };
                 let stated_s = comments.iter().filter_map(Comment::uncertainty_s);
                 let slack_s = stated_s.fold(slack_s, f64::max);
-                let (role, value) = (role.unwrap_or(usual), value.to_owned());
+                // A number of days that is computed from a date concerns the same part.
+                let is_same =
+                    |known: &&Instant| seconds_between(known.epoch, instant.epoch).abs() <= SAME_READING_S + slack_s;
+                let same = || self.instants.found.iter().find(is_same).filter(|_| !is_named).map(|known| known.role);
+                let (role, value) = (role.or_else(same).unwrap_or(usual), value.to_owned());
                 self.instants.found.push(Instant { role, value, slack_s, ..instant });
             }
             Err((comment, problem)) => {

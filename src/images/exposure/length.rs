@@ -434,7 +434,12 @@ fn is_of_sum(text: &str, seconds: f64) -> bool {
     let lower = text.to_ascii_lowercase();
     let has_files = lower.split([' ', ',', ';']).filter(|word| is_file(word)).count() > 1
         && ["combin", "stack", "coadd", "averag", "sum"].iter().any(|word| lower.contains(word));
-    number.is_some() || has_files || counted_in(text, ADDED).is_some() || product_in(text, seconds, true)
+    let is_of_pixinsight = lower.contains("imageintegration.");
+    number.is_some()
+        || is_of_pixinsight
+        || has_files
+        || counted_in(text, ADDED).is_some()
+        || product_in(text, seconds, true)
 }
 
 /// Returns true if a text contains a number of exposures times the time of one, such as "12x30s", which is the exposure
