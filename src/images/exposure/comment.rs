@@ -97,12 +97,15 @@ const COMPUTERS: &str = "computer pc host laptop workstation system";
 const COMPUTER_CLOCKS: &str = "time clock timestamp date";
 const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
 
-/// Words of times that are near the start only, unless the comment states a part of the exposure, and of times that are
-/// near that part.
-const PULSES: &str = "trigger triggered pps 1pps strobe";
-const APPROXIMATE: &str = "approximate approximately approx about nominal";
+/// Words of times that are only near the part of the exposure that the comment states.
+const APPROXIMATE: &str = "approximate approximately approx about nominal first";
+/// Words of comments that state nothing else than a date, in addition to the words of exposures and clocks.
+const NEUTRAL: &str = "as is was when which with on by taken acquired acquisition data gregorian calendar greenwich modified \
+     coordinated international atomic standard format iso isot iso8601 fits value number since nov days seconds hours sec \
+     row midas desc tstart typical yy hhmmss ddthh mmthh ss sss ssss mm 1st";
 /// Beginnings of statements of the uncertainty of a time.
-const UNCERTAINTIES: &[&str] = &["+/-", "+-", "accura", "uncertain", "error", "within", "tolerance"];
+const UNCERTAINTIES: &[&str] =
+    &["+/-", "+-", "~", "accura", "uncertain", "error", "within", "tolerance", "precision", "off by"];
 
 const UNCLEAR: &str = "perhaps of another part of the exposure, or of another event,";
 
@@ -310,10 +313,20 @@ impl Comment {
         })
     }
 
-    /// Returns true if the comment states that the time is only near the part of the exposure, or, if it states none,
-    /// that it is the time of a pulse.
-    pub fn is_approximate(&self) -> bool {
-        self.has(APPROXIMATE) || (self.has(PULSES) && self.parts().0.is_empty())
+    /// Returns true if the comment states that the time is only near a part of the exposure, or if it states no part and
+    /// contains other words than those of a date, such as "trigger" and "clock unsynchronised".
+    pub fn is_doubtful(&self) -> bool {
+        let is_known = |word: &str| {
+            [EXPOSURE, CLOCK, FILLERS, UNIVERSAL, NEUTRAL].iter().any(|list| lists(list, word))
+                || word.len() == 1
+                || word.bytes().all(|byte| byte.is_ascii_digit())
+        };
+        self.has(APPROXIMATE) || (self.parts().0.is_empty() && !self.words().all(is_known))
+    }
+
+    /// Returns true if the comment states a zone or an offset from universal time.
+    pub fn is_of_zone(&self) -> bool {
+        self.has("timezone") || self.has_pair("time", "zone") || (self.has("offset") && self.is_universal())
     }
 
     /// Returns the digits after `TAI -`; `None` if there are none.

@@ -35,7 +35,7 @@ const COARSE_S: f64 = 10.0;
 const APPROXIMATE: &str = "APPROXIMATE";
 
 /// Beginnings of keywords of the offset of a local time from universal time, without hyphens.
-const ZONES: &[&str] = &["TIMEZON", "TZ", "UTOFF", "UTCOFF", "GMTOFF"];
+const ZONES: &[&str] = &["TIMEZON", "TZ", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
 
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
@@ -256,7 +256,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let from = &first.from;
         remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
-    if let Some(comment) = comment_of(keywords, &first).filter(Comment::is_approximate) {
+    if let Some(comment) = comments_of(keywords, &first).into_iter().find(Comment::is_doubtful) {
         remarks.push(format!(
             "the start is that of {}, by its comment {:?} perhaps another instant; for another one specify --start",
             first.from,
@@ -336,24 +336,23 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
     Some(Error::invalid(format!("start of {}", start.from), given, allowed))
 }
 
-/// Returns the comment of the keyword of the start.
-fn comment_of(keywords: Keywords<'_>, start: &Start) -> Option<Comment> {
-    let (header, name) = keywords.find(start.from.split(' ').next()?)?;
-    Some(keywords.comment(header, &name))
+/// Returns the comments of the keywords of the start.
+fn comments_of(keywords: Keywords<'_>, start: &Start) -> Vec<Comment> {
+    let names = start.from.split(" - ").next().unwrap_or_default().split(" + ");
+    names.filter_map(|name| keywords.find(name)).map(|(header, name)| keywords.comment(header, &name)).collect()
 }
 
-/// Returns true if TIMESYS or the comment of the keyword of the start states UTC.
+/// Returns true if TIMESYS or the comment of a keyword of the start states UTC.
 fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
     let by_keyword = timesys(keywords).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
-    by_keyword || comment_of(keywords, start).is_some_and(|comment| comment.is_universal())
+    by_keyword || comments_of(keywords, start).iter().any(Comment::is_universal)
 }
 
-/// Returns true if the name or the comment of the keyword of the start states the start.
+/// Returns true if the name or the comment of a keyword of the start states the start.
 fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
-    let name = start.from.split(' ').next_back().unwrap_or_default();
-    let comment = keywords.find(name).map(|(header, name)| keywords.comment(header, &name));
-    NAMED_STARTS.iter().any(|known| is_spelling(known, name))
-        || comment.is_some_and(|comment| matches!(comment.role(None), Ok(Some(Role::Start))))
+    let is_named = |name: &str| NAMED_STARTS.iter().any(|known| is_spelling(known, name));
+    let is_stated = |comment: &Comment| matches!(comment.role(None), Ok(Some(Role::Start)));
+    start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
 }
 
 /// Returns a sentence about the zone of a header in which nothing states that the start is in universal time.
@@ -361,18 +360,23 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
     let (name, value) = keywords.cards().find_map(|card| {
         let name = card.keyword();
         let bare = name.replace(['-', '_', ' '], "");
-        let value = match card.value()? {
-            CardValue::Integer(hours) => hours.to_string(),
-            CardValue::Real(hours) => hours.to_string(),
+        let is_zone = ZONES.iter().any(|zone| bare.starts_with(zone)) || Comment::new(&card.comment()).is_of_zone();
+        let value = match card.value().filter(|_| is_zone)? {
+            CardValue::Integer(number) => number.to_string(),
+            CardValue::Real(number) => number.to_string(),
             CardValue::Text(text) => text.trim().to_owned(),
             _ => return None,
         };
-        let is_zero = value.parse::<f64>() == Ok(0.0) || Comment::new(&value).is_universal();
-        (ZONES.iter().any(|zone| bare.starts_with(zone)) && !value.is_empty() && !is_zero).then_some((name, value))
+        // Quarters of an hour, in hours or in seconds.
+        let is_offset = |number: f64| {
+            number != 0.0 && ((4.0 * number).fract() == 0.0 && number.abs() <= 14.0 || number % 900.0 == 0.0)
+        };
+        let is_local = value.parse().map_or(!value.is_empty() && !Comment::new(&value).is_universal(), is_offset);
+        is_local.then_some((name, value))
     })?;
     // A scale, another clock of universal time, or a different local time show that the start is not local.
     let is_stated = timesys(keywords).is_some()
-        || comment_of(keywords, start).is_some_and(|comment| comment.is_universal())
+        || comments_of(keywords, start).iter().any(Comment::is_universal)
         || start.from.contains("UT")
         || instants.found.iter().any(|instant| instant.from.contains("UT"))
         || !instants.local_clocks.is_empty();

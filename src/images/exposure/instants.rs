@@ -249,8 +249,11 @@ impl Reader<'_> {
         for card in self.keywords.cards() {
             let name = card.keyword();
             let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
-            let named =
-                if has(&["MID"]) { Some(Role::Middle) } else { has(&["END", "STOP", "CLOS"]).then_some(Role::End) };
+            let named = if has(&["MID"]) {
+                Some(Role::Middle)
+            } else {
+                has(&["END", "STOP", "CLOS", "FIN"]).then_some(Role::End)
+            };
             let comment = Comment::new(&card.comment());
             let role = match comment.role(named) {
                 Ok(Some(role)) if role != Role::Start && comment.scale().is_ok() => role,
@@ -258,7 +261,7 @@ impl Reader<'_> {
             };
             // BJD_TDB, JD_TT
             let in_name = Comment::new(&name);
-            if in_name.role(None).is_err() || in_name.scale() != Ok(None) {
+            if in_name.role(Some(role)).is_err() || in_name.scale() != Ok(None) {
                 continue;
             }
             if known.iter().any(|keyword| is_spelling(keyword, &name)) {

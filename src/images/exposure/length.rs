@@ -23,7 +23,8 @@ const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
 const SPANS: &[&str] = &["TELAPSE", "TELAPSED"];
 const SUMS: &[&str] = &["LIVETIME", "TOTALEXP", "TOTEXP", "TOTEXPT", "EXPTOT", "EXPTOTAL"];
 /// Keywords of times that may be those of the exposure with gaps, of all parts of a stack, or of a sequence.
-const DOUBTFUL_TIMES: &[&str] = &["DURATION", "ELAPSED", "TOTTIME", "TEXP", "CUMEXP", "SUM-EXP", "EXP-SUM"];
+const DOUBTFUL_TIMES: &[&str] = &["DURATION", "ELAPSED", "TEXP", "EXP-SUM", "REALTIME"];
+const TOTALS: &[&str] = &["TOT", "CUM", "SUM"];
 
 /// Keywords of the number of exposures that the detector adds before it stores a frame.
 const COADDS: &[&str] = &[
@@ -49,16 +50,15 @@ const STACKED: &[&str] = &[
 /// Parts of names of numbers of exposures that are added, or that follow each other in separate files, as in NIMG,
 /// NUM_EXP, FRAMES, NACC and STACK COUNT: a prefix and a kind of frames or sums, a kind in the plural, or a sum and a
 /// suffix.
-const COUNT_PREFIXES: &[&str] = &["NUMBER", "NUM", "NB", "NO", "NR", "N"];
-const FRAME_KINDS: &[&str] = &[
-    "IMG", "IMAGE", "FRAME", "FRM", "EXP", "EXPOSUR", "EXPOSURE", "SUB", "SUBEXP", "SHOT", "LIGHT", "REPEAT", "CYCLE",
-];
-const SUMS_OF_FRAMES: &[&str] = &["STACK", "COADD", "COMB", "ICOMB", "AVER", "AVG", "ACC", "ACCUM", "ADD", "SUM"];
+const COUNT_PREFIXES: &[&str] = &["NUMBEROF", "NUMBER", "NUM", "NB", "NO", "NR", "N"];
+const FRAME_KINDS: &[&str] = &["IMG", "IMAGE", "FRAME", "FRM", "EXP", "EXPOSUR", "EXPOSURE", "SHOT", "REPEAT", "CYCLE"];
+const SUMS_OF_FRAMES: &[&str] =
+    &["STACK", "COADD", "COMB", "ICOMB", "AVER", "AVG", "ACC", "ACCUM", "ADD", "SUM", "SUB", "SUBEXP", "LIGHT"];
 const COUNT_SUFFIXES: &[&str] = &["COUNT", "CNT"];
 /// Other keywords of such numbers.
 const OTHER_COUNTS: &[&str] = &["CRSPLIT", "SUMFRAME", "FRMSUM", "LIVESTCK"];
 /// Beginnings of numbered keywords with the names of added files.
-const INPUTS: &[&str] = &["COMB", "INP", "PROV", "STACK", "COADD"];
+const INPUTS: &[&str] = &["COMB", "CMB", "INP", "PROV", "STACK", "COADD", "FILE", "RAW"];
 /// Keywords of the time of one integration and of their number in headers of ESO.
 const ESO_TIMES: &[&str] = &["ESO DET DIT", "ESO DET SEQ1 DIT"];
 const ESO_NUMBER: &str = "ESO DET NDIT";
@@ -74,7 +74,7 @@ const FRAMES: &str = "image images frame frames exposure exposures subframe subf
 /// Frames, if they are several.
 const SEVERAL: &str = "images frames exposures subexposures subframes subs inputs files lights accumulations";
 const ADDED: &str = "stack stacked stacking combine combined combining coadd coadds coadded co added adding summed sum \
-     averaged average median integrated accumulated drizzled binned input inputs";
+     averaged average mean median integrated accumulated drizzled binned input inputs";
 /// Words of sums in remarks, which are more often about other frames.
 const COMBINED: &str = "combine combined combining averaged summed";
 const REMARKS: &[&str] = &["HISTORY", "COMMENT"];
@@ -310,18 +310,21 @@ fn agree(a: f64, b: f64) -> bool {
 fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
     let is_known = |name: &str| [LENGTHS, SPANS, SUMS].concat().iter().any(|known| is_spelling(known, name));
     let is_total = |comment: &Comment| {
-        comment.has(OF_ALL)
-            && comment.has("exposure exptime integration")
+        let is_of_exposure = comment.has("exposure exptime integration observation");
+        ((comment.has(OF_ALL) || comment.has(STACKS)) && is_of_exposure || comment.has("elapsed"))
             && !comment.has("number count")
             && !comment.has(OF_CALIBRATION)
             && !comment.has(OF_SERIES)
+    };
+    let is_total_name = |name: &str| {
+        TOTALS.iter().any(|total| name.starts_with(total)) && (name.contains("EXP") || name.contains("TIM"))
     };
     let is_doubtful = |card: &&Card| {
         let name = card.keyword();
         DOUBTFUL_TIMES.iter().any(|known| is_spelling(known, &name))
             || (matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_)))
                 && !is_known(&name)
-                && is_total(&Comment::new(&card.comment())))
+                && (is_total(&Comment::new(&card.comment())) || is_total_name(&name)))
     };
     let times =
         keywords.cards().filter(is_doubtful).filter_map(|card| stated(keywords, &card.keyword()).ok().flatten());
@@ -373,7 +376,9 @@ fn number_of_frames(card: &Card) -> Option<(String, f64)> {
         CardValue::Real(number) if number.fract() == 0.0 => number,
         value => whole_number(Some(value))?,
     };
-    let is_number = is_count(&keyword) || comment.has_pair(STACKS, "count number size");
+    let is_number = is_count(&keyword)
+        || comment.has_pair(STACKS, "count number size")
+        || Comment::new(&keyword).has_pair(SEVERAL, ADDED);
     let is_of_frame = !comment.has(OF_SERIES) && !comment.has(OF_CALIBRATION);
     (number > 1.0 && is_number && is_of_frame).then_some((keyword, number))
 }
@@ -394,18 +399,22 @@ fn doubtful(keywords: Keywords<'_>, seconds: f64) -> Option<(String, String)> {
     }
     let count = || keywords.cards().find_map(number_of_frames).map(|(keyword, count)| (keyword, count.to_string()));
     let in_text = |card: &Card| {
+        let keyword = card.keyword();
+        let is_named = ["STACK", "COMB", "COADD"].iter().any(|name| keyword.starts_with(name));
         let text = match card.value() {
+            Some(CardValue::Logical(true)) if is_named => return Some((keyword, "T".to_owned())),
+            Some(CardValue::Text(text)) if is_named && Comment::new(&text).has(ADDED) => return Some((keyword, text)),
             Some(CardValue::Text(text)) => text,
-            None if REMARKS.contains(&card.keyword().as_str()) => card.remark_text(),
+            None if REMARKS.contains(&keyword.as_str()) => card.remark_text(),
             _ => return None,
         };
-        is_of_sum(&text, seconds).then(|| (card.keyword(), format!("{:?}", text.trim())))
+        is_of_sum(&text, seconds).then(|| (keyword, format!("{:?}", text.trim())))
     };
     let is_input = |card: &&Card| {
         let keyword = card.keyword();
         let stem = keyword.trim_end_matches(|c: char| c.is_ascii_digit());
         let is_file = || matches!(card.value(), Some(CardValue::Text(text)) if is_file(&text));
-        stem.len() < keyword.len() && INPUTS.iter().any(|name| stem.starts_with(name)) && is_file()
+        stem.len() < keyword.len() && INPUTS.iter().chain(FRAME_KINDS).any(|name| stem.starts_with(name)) && is_file()
     };
     let inputs = || {
         let (mut files, number) = (keywords.cards().filter(is_input), keywords.cards().filter(is_input).count());
@@ -447,7 +456,9 @@ fn is_of_sum(text: &str, seconds: f64) -> bool {
 fn product_in(text: &str, seconds: f64, has_unit: bool) -> bool {
     let lower = text.to_ascii_lowercase();
     lower.match_indices(['x', '*']).any(|(at, _)| {
-        let count = lower[..at].trim_end().rsplit(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
+        // "12 subs x 30 s"
+        let before = lower[..at].trim_end_matches(|c: char| c == ' ' || c.is_ascii_alphabetic());
+        let count = before.rsplit(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
         let rest = lower[at + 1..].trim_start();
         let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(rest.len());
         let unit = rest[end..].trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
