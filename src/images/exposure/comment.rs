@@ -101,7 +101,7 @@ const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
 const APPROXIMATE: &str = "approximate approximately approx about nominal first";
 /// Words of comments that state nothing else than a date, in addition to the words of exposures and clocks.
 const NEUTRAL: &str = "as is was when which with on by taken acquired acquisition data gregorian calendar greenwich modified \
-     coordinated international atomic standard format iso isot iso8601 fits value number since nov days seconds hours sec \
+     coordinated international atomic standard matching ob day format iso isot iso8601 fits value number since nov days seconds hours sec \
      row midas desc tstart typical yy hhmmss ddthh mmthh ss sss ssss mm 1st";
 /// Beginnings of statements of the uncertainty of a time.
 const UNCERTAINTIES: &[&str] =
@@ -610,6 +610,42 @@ mod tests {
         }
         assert_eq!(Comment::new("mean of start and end").role(Some(Role::Middle)), Ok(Some(Role::Middle)));
         assert!(Comment::new("end of exposure").role(Some(Role::Start)).is_err());
+    }
+
+    #[test]
+    fn uncertain_times_in_comments() {
+        for (text, seconds) in [
+            ("Exposure start (+/- 30 s)", Some(30.0)),
+            ("UTC, accurate to 1 min", Some(60.0)),
+            ("clock error < 0.5 s", Some(0.5)),
+            ("UTC (precision: 10 ms)", Some(0.01)),
+            ("precision of 3 digits", None),
+            ("UT1-UTC < 1 s", None),
+            ("start of exposure 30 s", None),
+        ] {
+            assert_eq!(Comment::new(text).uncertainty_s(), seconds, "{text}");
+        }
+        for text in
+            ["GPS trigger time", "PPS", "clock unsynchronised", "Start of first exposure", "approx. start", "noon"]
+        {
+            assert!(Comment::new(text).is_doubtful(), "{text}");
+        }
+        // Comments in headers of SDSS, DECam, ESO, TESS, wcslib, LCO and SBIG.
+        for text in [
+            "",
+            "1st row - TAI",
+            "UTC epoch",
+            "Observing date",
+            "TSTART as UTC calendar date",
+            "ISO-8601 observation date matching MJD-OBS",
+            "[UTC] Start date and time of the observation",
+            "SBIGFITSEXT UTC of start exp. in ISO 8601",
+            "Date of obs. YYYY-mm-ddTHH:MM:SS",
+            "[s] UTC seconds of day at start",
+            "trigger time, start of exposure",
+        ] {
+            assert!(!Comment::new(text).is_doubtful(), "{text}");
+        }
     }
 
     #[test]

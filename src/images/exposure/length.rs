@@ -403,7 +403,9 @@ fn doubtful(keywords: Keywords<'_>, seconds: f64) -> Option<(String, String)> {
         let is_named = ["STACK", "COMB", "COADD"].iter().any(|name| keyword.starts_with(name));
         let text = match card.value() {
             Some(CardValue::Logical(true)) if is_named => return Some((keyword, "T".to_owned())),
-            Some(CardValue::Text(text)) if is_named && Comment::new(&text).has(ADDED) => return Some((keyword, text)),
+            Some(CardValue::Text(text)) if is_named && Comment::new(&text).has(ADDED) => {
+                return Some((keyword, format!("{text:?}")));
+            }
             Some(CardValue::Text(text)) => text,
             None if REMARKS.contains(&keyword.as_str()) => card.remark_text(),
             _ => return None,
