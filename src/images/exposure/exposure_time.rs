@@ -35,7 +35,7 @@ const COARSE_S: f64 = 10.0;
 const APPROXIMATE: &str = "APPROXIMATE";
 
 /// Beginnings of keywords of the offset of a local time from universal time, without hyphens.
-const ZONES: &[&str] = &["TIMEZON", "TZ", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
+const ZONES: &[&str] = &["TIMEZON", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
 
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
@@ -360,7 +360,9 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
     let (name, value) = keywords.cards().find_map(|card| {
         let name = card.keyword();
         let bare = name.replace(['-', '_', ' '], "");
-        let is_zone = ZONES.iter().any(|zone| bare.starts_with(zone)) || Comment::new(&card.comment()).is_of_zone();
+        let is_zone = bare == "TZ"
+            || ZONES.iter().any(|zone| bare.starts_with(zone))
+            || Comment::new(&card.comment()).is_of_zone();
         let value = match card.value().filter(|_| is_zone)? {
             CardValue::Integer(number) => number.to_string(),
             CardValue::Real(number) => number.to_string(),

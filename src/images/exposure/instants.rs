@@ -259,9 +259,10 @@ impl Reader<'_> {
                 Ok(Some(role)) if role != Role::Start && comment.scale().is_ok() => role,
                 _ => continue,
             };
-            // BJD_TDB, JD_TT
+            // Times of the processing, BJD_TDB, JD_TT
             let in_name = Comment::new(&name);
-            if in_name.role(Some(role)).is_err() || in_name.scale() != Ok(None) {
+            let is_of_processing = name.contains("TREND") || comment.has("processing reduction proprietary release");
+            if is_of_processing || in_name.role(Some(role)).is_err() || in_name.scale() != Ok(None) {
                 continue;
             }
             if known.iter().any(|keyword| is_spelling(keyword, &name)) {

@@ -149,7 +149,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
     if lengths.is_empty() {
         lengths.extend(stated(keywords, TRUE_TIME)?);
     }
-    let is_per_part = lengths.iter().any(|length| length.comment.has(PER_PART));
+    let is_per_part = lengths.iter().any(|length| is_of_part(&length.comment));
     let mut parts = parts(keywords, COADDS, is_per_part);
     let mut is_whole = false;
     if let Some(Parts { count, .. }) = &parts {
@@ -227,14 +227,14 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         || parts.as_ref().is_some_and(|Parts { count, .. }| {
             keywords.number(&["EXP1TIME"], |time| agree(count * time, seconds) && time < seconds).is_some()
         });
-    let is_of_all = is_whole || (comment.has(OF_ALL) && !comment.has(PER_PART) && of_part.is_none());
+    let is_of_all = is_whole || (comment.has(OF_ALL) && !is_of_part(&comment) && of_part.is_none());
     let is_resampled = comment.has("equivalent");
     let part_time = || {
         let shorter = keywords.number(PART_TIMES, |time| time > 0.0 && time < seconds && !agree(time, seconds));
         shorter.filter(|_| of_eso.is_none()).map(|(name, time, _)| (name, time.to_string()))
     };
     let in_comment = || {
-        let is_doubtful = product_in(comment.text(), seconds, false) || (comment.has(PER_PART) && !is_alone(keywords));
+        let is_doubtful = product_in(comment.text(), seconds, false) || (is_of_part(&comment) && !is_alone(keywords));
         is_doubtful.then(|| ("its comment".to_owned(), format!("{:?}", comment.text())))
     };
     if parts.is_none()
@@ -253,7 +253,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         }
         let given = if is_resampled {
             format!("{seconds} s, the equivalent time of a stack by its comment {:?}", comment.text())
-        } else if comment.has(PER_PART) || of_part.is_some() {
+        } else if is_of_part(&comment) || of_part.is_some() {
             format!("{seconds} s of each of {count} exposures ({name})")
         } else {
             format!("{seconds} s, and {name} is {shown}: the time of one exposure or of all")
@@ -298,6 +298,12 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error
     // Rounded to 1 ns: 2.31481481481481e-05 days are 2 s.
     let seconds = if unit_s == 1.0 { number } else { (number * unit_s * 1e9).round() / 1e9 };
     Ok(Some(Stated { seconds, keyword, comment }))
+}
+
+/// Returns true if the comment of an exposure time states that it is that of one of several exposures; "per pixel" does
+/// not.
+fn is_of_part(comment: &Comment) -> bool {
+    comment.has(PER_PART) && !comment.has_pair("per", "pixel pix")
 }
 
 /// Returns true if two exposure times are taken as the same.
