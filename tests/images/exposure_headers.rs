@@ -594,6 +594,11 @@ fn verif_other_readings_of_a_header_are_stated() {
         ("TZ      = 'America/Phoenix'", "TZ is America/Phoenix"),
         ("LOCALOFF= -25200 / offset from UTC (s)", "LOCALOFF is -25200"),
         ("COMMENT DATE-OBS: GPS trigger time", "perhaps another instant"),
+        ("COMMENT All times refer to mid-exposure", "the header has the card \"COMMENT All times"),
+        ("HISTORY PC clock was 45 s fast", "the header has the card"),
+        ("TIMSYER = 30.0 / [s]", "the header has the card \"TIMSYER = 30.0"),
+        ("CLKERR  = 12.0 / [s] clock error", "the header has the card \"CLKERR"),
+        ("HISTORY Median of 25 light frames", "HISTORY is"),
         ("COMMENT DATE-OBS: start, accurate to 5 s", "uncertain by 5.0 s, by its digits or comment"),
     ] {
         let found = time(&format!("{at}{card}")).unwrap_or_else(|error| panic!("{card}: {error}"));
@@ -621,6 +626,9 @@ fn verif_other_readings_of_a_header_are_stated() {
         "DETREND = '2026-08-23T03:15:00' / date of the processing",
         "DUT1    = 0.1 / UT1 offset from UTC",
         "LEAPSEC = 37 / offset of TAI from UTC",
+        "TIMSYER = 0.5 / [s]",
+        "CALEND  = '2030-01-01T00:00:00' / end of validity of calibration",
+        "COMMENT Exposure time in seconds, times in UTC at start",
         "D2IMERR1= 0.02",
     ] {
         let found = time(&format!("{at}{card}")).unwrap_or_else(|error| panic!("{card}: {error}"));
@@ -629,6 +637,8 @@ fn verif_other_readings_of_a_header_are_stated() {
     for (cards, words) in [
         ("EXPTIME = 30.0 / individual exposure time\nNUM     = 12", "its comment is \"individual exposure time\""),
         ("EXPTIME = 60.0 / [sec] total (3 x 20)", "its comment is"),
+        ("EXPTIME = 60.0 / sum of 10 exposures", "its comment is"),
+        ("EXPTIME = 60.0 / [s] +/- 5 s", "approximately"),
         ("EXPTIME = 12.0\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5", "ESO DET DIT x ESO DET NDIT = 60 s"),
     ] {
         let found = time(&format!("DATE-OBS= '2026-08-22T03:15:00'\n{cards}")).expect(cards);

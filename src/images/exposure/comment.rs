@@ -103,6 +103,9 @@ const APPROXIMATE: &str = "approximate approximately approx about nominal first"
 const NEUTRAL: &str = "as is was when which with on by taken acquired acquisition data gregorian calendar greenwich modified \
      coordinated international atomic standard matching ob day format iso isot iso8601 fits value number since nov days seconds hours sec \
      row midas desc tstart typical yy hhmmss ddthh mmthh ss sss ssss mm 1st";
+const ERRORS: &str = "error uncertainty inaccuracy drift";
+/// Words of remarks about clocks.
+const CLOCK_ERRORS: &str = "offset error errors fast slow late early wrong corrected correction shifted drift";
 /// Beginnings of statements of the uncertainty of a time.
 const UNCERTAINTIES: &[&str] =
     &["+/-", "+-", "~", "accura", "uncertain", "error", "within", "tolerance", "precision", "off by"];
@@ -311,6 +314,24 @@ impl Comment {
             let unit = rest[end..].trim_start().split(|c: char| !c.is_ascii_alphabetic()).next()?;
             Some(rest[..end].parse::<f64>().ok()? * seconds_in(unit)?)
         })
+    }
+
+    /// Returns true if the comment states an uncertainty of more than a second, or that the value is approximate.
+    pub fn is_approximate(&self) -> bool {
+        self.has(APPROXIMATE) || self.uncertainty_s().is_some_and(|uncertainty_s| uncertainty_s > 1.0)
+    }
+
+    /// Returns true if a remark states that the times of the header are local, of the middle or the end, or wrong.
+    pub fn is_about_times(&self) -> bool {
+        let is_other_part = || matches!(self.role(None), Ok(Some(Role::Middle | Role::End)));
+        let is_about = self.has("times timestamps timestamp clock") || self.has_pair("date", "obs");
+        is_about && (self.is_local() || is_other_part() || self.has(CLOCK_ERRORS))
+    }
+
+    /// Returns true if the comment of a number states that it is the error of times.
+    pub fn is_of_clock_error(&self) -> bool {
+        let is_about = self.has("times clock timestamps") || self.has_pair("date", "obs");
+        self.has_pair("time timing timestamp", ERRORS) || (is_about && self.has(ERRORS))
     }
 
     /// Returns true if the comment states that the time is only near a part of the exposure, or if it states no part and

@@ -2,6 +2,7 @@
 
 use hifitime::{Epoch, TimeScale, TimeUnits};
 
+use crate::constants::LONGEST_EXPOSURE_S;
 use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 
@@ -36,6 +37,9 @@ const APPROXIMATE: &str = "APPROXIMATE";
 
 /// Beginnings of keywords of the offset of a local time from universal time, without hyphens.
 const ZONES: &[&str] = &["TIMEZON", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
+
+/// Keywords of errors of times, and of an offset (FITS standard 4.0, section 9.4).
+const TIME_ERRORS: &[&str] = &["TIMEOFFS", "TIMSYER", "TIMRDER"];
 
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
@@ -263,6 +267,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             comment.text()
         ));
     }
+    remarks.extend(about_times(keywords, &first));
     remarks.extend(other_parts(&instants, &first, duration_s));
     remarks.extend(zone(keywords, &instants, &first));
     let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
@@ -355,6 +360,29 @@ fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
     start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
 }
 
+/// Returns a sentence about the first card that states an error of the times of the header, or in which part of the
+/// exposure or in which zone they are.
+fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
+    let card = keywords.cards().find(|card| match card.value() {
+        None => {
+            ["COMMENT", "HISTORY"].contains(&card.keyword().as_str())
+                && Comment::new(&card.remark_text()).is_about_times()
+        }
+        Some(CardValue::Integer(_) | CardValue::Real(_)) => {
+            let is_standard = TIME_ERRORS.contains(&card.keyword().as_str());
+            let number = keywords.number(&[&card.keyword()], |number| number.abs() > START_SLACK_S);
+            number.is_some() && (is_standard || Comment::new(&card.comment()).is_of_clock_error())
+        }
+        _ => false,
+    })?;
+    let text = card.text();
+    Some(format!(
+        "the start is that of {}; for another one specify --start; the header has the card {:?}",
+        start.from,
+        text.trim_end()
+    ))
+}
+
 /// Returns a sentence about the zone of a header in which nothing states that the start is in universal time.
 fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<String> {
     let (name, value) = keywords.cards().find_map(|card| {
@@ -394,7 +422,7 @@ fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<Strin
         let expected_s = if other.role == Role::Middle { duration_s / 2.0 } else { duration_s };
         let late_s = seconds_between(start.epoch, other.epoch) - expected_s;
         let slack_s = STATED_S + start.slack_s + other.slack_s + SHIFT_SLACK * duration_s;
-        (late_s.abs() > slack_s).then(|| {
+        (slack_s..LONGEST_EXPOSURE_S).contains(&late_s.abs()).then(|| {
             let side = if late_s > 0.0 { "later" } else { "earlier" };
             format!(
                 "{} is {:.1} s {side} than the {part} of the exposure, by the start of {}: for another exposure specify \

@@ -51,7 +51,8 @@ const STACKED: &[&str] = &[
 /// NUM_EXP, FRAMES, NACC and STACK COUNT: a prefix and a kind of frames or sums, a kind in the plural, or a sum and a
 /// suffix.
 const COUNT_PREFIXES: &[&str] = &["NUMBEROF", "NUMBER", "NUM", "NB", "NO", "NR", "N"];
-const FRAME_KINDS: &[&str] = &["IMG", "IMAGE", "FRAME", "FRM", "EXP", "EXPOSUR", "EXPOSURE", "SHOT", "REPEAT", "CYCLE"];
+const FRAME_KINDS: &[&str] =
+    &["IMG", "IMAG", "IMAGE", "FRAME", "FRM", "EXP", "EXPOSUR", "EXPOSURE", "SHOT", "REPEAT", "CYCLE"];
 const SUMS_OF_FRAMES: &[&str] =
     &["STACK", "COADD", "COMB", "ICOMB", "AVER", "AVG", "ACC", "ACCUM", "ADD", "SUM", "SUB", "SUBEXP", "LIGHT"];
 const COUNT_SUFFIXES: &[&str] = &["COUNT", "CNT"];
@@ -216,6 +217,12 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
             ));
         }
     }
+    if comment.is_approximate() {
+        let text = comment.text();
+        remarks.push(format!(
+            "{keyword} is {seconds} s, by its comment {text:?} approximately; for another one specify --exposure"
+        ));
+    }
     for other in doubtful_times(keywords, seconds) {
         let Stated { seconds: other_s, keyword: other, .. } = other;
         remarks.push(format!(
@@ -234,7 +241,8 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         shorter.filter(|_| of_eso.is_none()).map(|(name, time, _)| (name, time.to_string()))
     };
     let in_comment = || {
-        let is_doubtful = product_in(comment.text(), seconds, false) || (is_of_part(&comment) && !is_alone(keywords));
+        let is_of_several = is_of_part(&comment) || comment.has(ADDED);
+        let is_doubtful = product_in(comment.text(), seconds, false) || (is_of_several && !is_alone(keywords));
         is_doubtful.then(|| ("its comment".to_owned(), format!("{:?}", comment.text())))
     };
     if parts.is_none()
@@ -384,7 +392,8 @@ fn number_of_frames(card: &Card) -> Option<(String, f64)> {
     };
     let is_number = is_count(&keyword)
         || comment.has_pair(STACKS, "count number size")
-        || Comment::new(&keyword).has_pair(SEVERAL, ADDED);
+        || Comment::new(&keyword).has_pair(SEVERAL, ADDED)
+        || (keyword.contains(' ') && Comment::new(&keyword).has("stacked coadded combined"));
     let is_of_frame = !comment.has(OF_SERIES) && !comment.has(OF_CALIBRATION);
     (number > 1.0 && is_number && is_of_frame).then_some((keyword, number))
 }
@@ -529,7 +538,10 @@ fn counted_in(text: &str, added: &str) -> Option<f64> {
         return count.trim().parse().ok();
     }
     let remark = Comment::new(text);
-    let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    // "25 light frames stacked"
+    let words: Vec<&str> =
+        words.filter(|word| !["light", "raw", "science"].iter().any(|kind| kind.eq_ignore_ascii_case(word))).collect();
     let is_several = |word: &str| SEVERAL.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word));
     let pair = words.windows(2).find(|pair| is_several(pair[1]) && pair[0].parse::<u32>().is_ok());
     let is_sum = (remark.has(STACKS) || remark.has(added)) && !remark.has(OF_CALIBRATION) && !is_of_calibration(text);
