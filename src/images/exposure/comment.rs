@@ -338,7 +338,7 @@ impl Comment {
     /// contains other words than those of a date, such as "trigger" and "clock unsynchronised".
     pub fn is_doubtful(&self) -> bool {
         let is_known = |word: &str| {
-            [EXPOSURE, CLOCK, FILLERS, UNIVERSAL, NEUTRAL].iter().any(|list| lists(list, word))
+            [PARTS[0].1, EXPOSURE, CLOCK, FILLERS, UNIVERSAL, NEUTRAL].iter().any(|list| lists(list, word))
                 || word.len() == 1
                 || word.bytes().all(|byte| byte.is_ascii_digit())
         };
