@@ -10,7 +10,7 @@ use super::super::card::CardValue;
 use super::super::header::Header;
 use super::comment::{Comment, Role};
 use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, NAMED_STARTS, unreadable};
-use super::length::{Length, STATED_S, length};
+use super::length::{Length, REMARKS, STATED_S, length};
 use super::moment::{Keywords, is_spelling};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 
@@ -364,10 +364,7 @@ fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
 /// exposure or in which zone they are.
 fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
     let card = keywords.cards().find(|card| match card.value() {
-        None => {
-            ["COMMENT", "HISTORY"].contains(&card.keyword().as_str())
-                && Comment::new(&card.remark_text()).is_about_times()
-        }
+        None => REMARKS.contains(&card.keyword().as_str()) && Comment::new(&card.remark_text()).is_about_times(),
         Some(CardValue::Integer(_) | CardValue::Real(_)) => {
             let is_standard = TIME_ERRORS.contains(&card.keyword().as_str());
             let number = keywords.number(&[&card.keyword()], |number| number.abs() > START_SLACK_S);
@@ -407,7 +404,6 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
     // A scale, another clock of universal time, or a different local time show that the start is not local.
     let is_stated = timesys(keywords).is_some()
         || comments_of(keywords, start).iter().any(Comment::is_universal)
-        || start.from.contains("UT")
         || instants.found.iter().any(|instant| instant.from.contains("UT"))
         || !instants.local_clocks.is_empty();
     (!is_stated).then(|| {

@@ -78,7 +78,8 @@ const ADDED: &str = "stack stacked stacking combine combined combining coadd coa
      averaged average mean median integrated accumulated drizzled binned input inputs";
 /// Words of sums in remarks, which are more often about other frames.
 const COMBINED: &str = "combine combined combining averaged summed";
-const REMARKS: &[&str] = &["HISTORY", "COMMENT"];
+/// Keywords of remarks.
+pub(super) const REMARKS: &[&str] = &["HISTORY", "COMMENT"];
 const OF_CALIBRATION: &str = "bias biases dark darks flat flats zero zeros fringe sky calibration master reference ref \
      template background pixel pixels star stars rejected";
 /// Words of times and names instead of counts.
