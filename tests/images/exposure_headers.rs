@@ -615,6 +615,8 @@ fn verif_other_readings_of_a_header_are_stated() {
         "CCDSUM  = '2 x 2'",
         "CHECKSUM= '12'",
         "FLATEXP = 360.0 / total exposure of flats",
+        "DARKTIME= 38.8 / Total elapsed time (sec)",
+        "APMEDJD = 2461274.6 / Median JD used in abs phot cal",
         "LAUNCH  = 1500",
         "OBSEND  = '2026-08-22T03:15:31'",
         "BLOCKEND= '2026-08-22T04:45:00' / end of observation block",

@@ -260,7 +260,10 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let from = &first.from;
         remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
-    if let Some(comment) = comments_of(keywords, &first).into_iter().find(Comment::is_doubtful) {
+    let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
+    if approximate.is_none()
+        && let Some(comment) = comments_of(keywords, &first).into_iter().find(Comment::is_doubtful)
+    {
         remarks.push(format!(
             "the start is that of {}, by its comment {:?} perhaps another instant; for another one specify --start",
             first.from,
@@ -270,7 +273,6 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     remarks.extend(about_times(keywords, &first));
     remarks.extend(other_parts(&instants, &first, duration_s));
     remarks.extend(zone(keywords, &instants, &first));
-    let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
     remarks.extend(
         approximate.map(|(keyword, name)| format!("{keyword} is {name:?}: times are read as {}", scale_name(&name))),
     );

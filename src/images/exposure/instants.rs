@@ -261,7 +261,9 @@ impl Reader<'_> {
             };
             // Times of the processing, BJD_TDB, JD_TT
             let in_name = Comment::new(&name);
-            let is_of_processing = name.contains("TREND") || comment.has("processing reduction proprietary release");
+            let is_of_processing = name.contains("TREND")
+                || comment.has("processing reduction proprietary release")
+                || (named.is_none() && !comment.has("exposure exp observation obs frame integration shutter"));
             if is_of_processing || in_name.role(Some(role)).is_err() || in_name.scale() != Ok(None) {
                 continue;
             }

@@ -339,6 +339,7 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
         DOUBTFUL_TIMES.iter().any(|known| is_spelling(known, &name))
             || (matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_)))
                 && !is_known(&name)
+                && !is_of_calibration(&name)
                 && (is_total(&Comment::new(&card.comment())) || is_total_name(&name)))
     };
     let times =
