@@ -508,7 +508,10 @@ fn verif_counts_of_stacked_frames() {
         "EXPTIME = 2.0\nFRAMES  = 30 / Number of frames in stack",
         "EXPTIME = 2.0\nNSUB    = 30 / number of stacked subframes",
         "EXPTIME = 2.0\nLIGHTS  = 30 / light frames count, averaged",
-        "EXPTIME = 12.0 / Total integration time\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5",
+        "EXPTIME = 12.0\nHIERARCH ESO DET DIT = 5.0\nHIERARCH ESO DET NDIT = 5",
+        "EXPTIME = 12.0\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5\nNCOMBINE= 4",
+        "EXPTIME = 30.0\nIMAGETYP= 'Master Light'",
+        "EXPTIME = 30.0\nBINFRMS = 4 / frames binned in software",
         "EXPTIME = 2028.0\nNDRIZIM = 4 / Drizzle, number of images drizzled onto output",
         "EXPTIME = 1200.0 / Total exposure time in seconds.\nLIGH_CNT= 20 / Light frames combined.",
         "EXPTIME = 60.0\nLUM_CNT = 20 / Luminance images combined.",
@@ -520,7 +523,6 @@ fn verif_counts_of_stacked_frames() {
         "EXPTIME = 30.0\nNUMACC  = 10 / number of accumulations",
         "EXPTIME = 30.0 / Exposure of each sub (s)\nNSUBS   = 12",
         "EXPTIME = 10.0\nEXP1TIME= 10.0\nCOEXP   = 6",
-        "EXPTIME = 300.0\nHIERARCH ESO DET DIT = 60.0\nHIERARCH ESO DET NDIT = 5",
         "EXPTIME = 30.0\nPROCTYPE= 'Stacked'",
         "EXPTIME = 30.0\nIMAGETYP= 'STACK'",
         "EXPTIME = 30.0\nCOMMENT Stacked 12 images using median",
@@ -535,6 +537,11 @@ fn verif_counts_of_stacked_frames() {
         ("EXPTIME = 60.0\nIMAGEID = 7 / image identification number in stack", 60.0),
         ("EXPTIME = 60.0\nDARK_CNT= 20 / Dark frames combined.", 60.0),
         ("EXPTIME = 60.0\nPROCTYPE= 'MasterCal stack, bias'", 60.0),
+        ("EXPTIME = 60.0\nIMAGETYP= 'Master Dark'", 60.0),
+        ("EXPTIME = 10.4 / [sec] Effective integration time per pixel\nNUMREPS = 4 / Number of frame repeats", 10.4),
+        ("EXPTIME = 12.0\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5", 60.0),
+        ("EXPTIME = 300.0\nHIERARCH ESO DET DIT = 60.0\nHIERARCH ESO DET NDIT = 5", 300.0),
+        ("EXPTIME = 12.0\nHIERARCH ESO DET SEQ1 DIT = 12.0\nHIERARCH ESO DET NDIT = 2", 24.0),
         ("EXPTIME = 60.0\nHISTORY Master flat combined from 12 frames", 60.0),
         ("EXPTIME = 60.0\nHISTORY 12 frames in the night", 60.0),
         ("EXPTIME = 60.0\nEXP1TIME= 10.0\nCOEXP   = 6", 60.0),
@@ -549,6 +556,118 @@ fn verif_counts_of_stacked_frames() {
         let found = time(&format!("{at}{cards}")).unwrap_or_else(|error| panic!("{cards}: {error}"));
         assert_eq!(found.duration_s, seconds, "{cards}");
     }
+}
+
+/// What may state a stack, another exposure, another instant or a local time is stated.
+#[test]
+fn verif_other_readings_of_a_header_are_stated() {
+    let at = "DATE-OBS= '2026-08-22T03:15:00'\nEXPTIME =                 30.0\n";
+    for (card, words) in [
+        ("CRSPLIT = 2 / number of cosmic ray split exposures", "CRSPLIT is 2"),
+        ("NB_IMG  = 10 / nombre d'images additionnees", "NB_IMG is 10"),
+        ("SUMFRAME= 4", "SUMFRAME is 4"),
+        ("NAVER   = 5.0", "NAVER is 5"),
+        ("LIVESTK = 10 / live stack count", "LIVESTK is 10"),
+        ("HIERARCH STACK COUNT = 5", "STACK COUNT is 5"),
+        ("HIERARCH FRAMES STACKED = 5", "FRAMES STACKED is 5"),
+        ("COMBINET= 'sum 3 images'", "COMBINET is \"sum 3 images\""),
+        ("COMBINED= T", "COMBINED is T"),
+        ("STACK   = '12x30s'", "STACK is \"12x30s\""),
+        ("OBJECT  = 'M 31, 12 subs x 30 s'", "OBJECT is"),
+        ("COMBINE1= 'a.fits'\nCOMBINE2= 'b.fits[1]'", "COMBINE1 is the first of 2 files"),
+        ("INP_0000= 'a.fits'\nINP_0001= 'b.fits'", "INP_0000 is the first of 2 files"),
+        ("HISTORY ncombine = 12", "HISTORY is \"ncombine = 12\""),
+        ("HISTORY imcombine: a1.fits a2.fits a3.fits", "HISTORY is"),
+        ("HISTORY ImageIntegration.pixelCombination: Average", "HISTORY is"),
+        ("COMMENT Average of 12 frames", "COMMENT is"),
+        ("SUBEXP  = 5", "SUBEXP is 5"),
+        ("DURATION= 130.0", "DURATION is 130 s"),
+        ("TOTTIME = 600.0", "TOTTIME is 600 s"),
+        ("T_STACK = 600.0 / total exposure time (s)", "T_STACK is 600 s"),
+        ("OBS-END = '2026-08-22T03:45:00'", "OBS-END is 1770.0 s later than the end of the exposure"),
+        ("SHUTCLOS= '2026-08-22T03:15:02'", "SHUTCLOS is 28.0 s earlier than the end"),
+        ("TSTOP   = 61274.2 / MJD stop", "TSTOP is"),
+        ("MIDMJD  = 61274.2", "later than the middle of the exposure"),
+        ("JD_UTC  = 2461274.7 / Julian Date at mid-exposure", "later than the middle of the exposure"),
+        ("UTOFFSET= -7", "UTOFFSET is -7: if it is a local time"),
+        ("TIMEZONE= -7.0 / hours", "TIMEZONE is -7"),
+        ("TZ      = 'America/Phoenix'", "TZ is America/Phoenix"),
+        ("LOCALOFF= -25200 / offset from UTC (s)", "LOCALOFF is -25200"),
+        ("COMMENT DATE-OBS: GPS trigger time", "perhaps another instant"),
+        ("COMMENT All times refer to mid-exposure", "the header has the card \"COMMENT All times"),
+        ("HISTORY PC clock was 45 s fast", "the header has the card"),
+        ("TIMSYER = 30.0 / [s]", "the header has the card \"TIMSYER = 30.0"),
+        ("CLKERR  = 12.0 / [s] clock error", "the header has the card \"CLKERR"),
+        ("HISTORY Median of 25 light frames", "HISTORY is"),
+        ("COMMENT DATE-OBS: start, accurate to 5 s", "uncertain by 5.0 s, by its digits or comment"),
+    ] {
+        let found = time(&format!("{at}{card}")).unwrap_or_else(|error| panic!("{card}: {error}"));
+        assert!(found.remarks.len() == 1 && found.remarks[0].contains(words), "{card}: {:?}", found.remarks);
+        assert_eq!(found.duration_s, 30.0, "{card}");
+    }
+    for card in [
+        "CRSPLIT = 2\nNCOMBINE= 1",
+        "NUMKIN  = 5 / kinetic series",
+        "EXPCOUNT= 7",
+        "ASSON1  = 'weight.fits'\nASSON2  = 'mask.fits'",
+        "FLAT1   = 'a.fits'\nFLAT2   = 'b.fits'",
+        "HISTORY flatcombine: a1.fits a2.fits a3.fits",
+        "CCDSUM  = '2 x 2'",
+        "CHECKSUM= '12'",
+        "FLATEXP = 360.0 / total exposure of flats",
+        "DARKTIME= 38.8 / Total elapsed time (sec)",
+        "APMEDJD = 2461274.6 / Median JD used in abs phot cal",
+        "LAUNCH  = 1500",
+        "OBSEND  = '2026-08-22T03:15:31'",
+        "BLOCKEND= '2026-08-22T04:45:00' / end of observation block",
+        "BJD_TDB = 2461274.7 / Barycentric JD at mid-exposure",
+        "TIMEZONE= -7\nTIMESYS = 'UTC'",
+        "TIMEZONE= -7\nDATE-LOC= '2026-08-21T20:15:00'",
+        "TIMEZONE= 'UTC'",
+        "TZERO1  = 3600",
+        "DETREND = '2026-08-23T03:15:00' / date of the processing",
+        "DUT1    = 0.1 / UT1 offset from UTC",
+        "LEAPSEC = 37 / offset of TAI from UTC",
+        "TIMSYER = 0.5 / [s]",
+        "CALEND  = '2030-01-01T00:00:00' / end of validity of calibration",
+        "COMMENT Exposure time in seconds, times in UTC at start",
+        "D2IMERR1= 0.02",
+    ] {
+        let found = time(&format!("{at}{card}")).unwrap_or_else(|error| panic!("{card}: {error}"));
+        assert_eq!(found.remarks, [""; 0], "{card}");
+    }
+    for (cards, words) in [
+        ("EXPTIME = 30.0 / individual exposure time\nNUM     = 12", "its comment is \"individual exposure time\""),
+        ("EXPTIME = 60.0 / [sec] total (3 x 20)", "its comment is"),
+        ("EXPTIME = 60.0 / sum of 10 exposures", "its comment is"),
+        ("EXPTIME = 60.0 / [s] +/- 5 s", "approximately"),
+        ("EXPTIME = 12.0\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5", "ESO DET DIT x ESO DET NDIT = 60 s"),
+    ] {
+        let found = time(&format!("DATE-OBS= '2026-08-22T03:15:00'\n{cards}")).expect(cards);
+        assert!(found.remarks.len() == 1 && found.remarks[0].contains(words), "{cards}: {:?}", found.remarks);
+    }
+    let error = time("DATE-OBS= '2026-08-22T03:15:00' / start (+/- 30 s)\nEXPTIME = 60.0").unwrap_err();
+    assert!(error.contains("uncertain by 30 s") && error.contains("--start"), "{error}");
+}
+
+/// Days computed from a date are of the same part of the exposure, and the clock UT of Subaru is that of the start.
+#[test]
+fn valid_middles_of_wise_and_subaru() {
+    for (cards, utc) in [
+        ("DATE_OBS= '2026-08-22T03:15:30' / Date of mid-frame (UTC)\nMJD_OBS = 61274.13576389", "2026-08-22T03:15:00"),
+        ("TAI     = 5294085367.0 / TAI seconds at centre of exposure", "2026-08-22T03:15:00"),
+        (
+            "DATE-OBS= '2026-08-22'\nUT-STR  = '03:15:00'\nUT      = '03:15:00' / typical UTC at the exposure (middle",
+            "2026-08-22T03:15:00",
+        ),
+    ] {
+        let found = time(&format!("{cards}\n{LENGTH}")).unwrap_or_else(|error| panic!("{error}"));
+        let expected: Epoch = format!("{utc} UTC").parse().expect("a moment");
+        assert!(seconds_between(expected, found.start).abs() < 1e-3, "{cards}: {}", found.start);
+    }
+    // One reading of the clock is that of the start or of the middle.
+    let error = time(&format!("DATE-OBS= '2026-08-22'\nUT      = '03:15:00' / middle\nTIME-OBS= '03:15:00'\n{LENGTH}"));
+    assert!(error.unwrap_err().contains("30.0 s apart"));
 }
 
 /// Clocks read after the exposure are late, and never before the start.
@@ -624,6 +743,8 @@ fn verif_gaps_in_an_exposure_are_stated() {
     for (length_s, card, words) in [
         (3600.0, "DATE-END= '2026-08-22T04:20:30'", "it is 3930.0 s from DATE-OBS to DATE-END: EXPTIME is used"),
         (300.0, "DATE-END= '2026-08-22T03:19:35'", "275.0 s from DATE-OBS to DATE-END"),
+        // As in headers of MegaCam, with the readout.
+        (300.0, "MJDEND  = 61274.1394444", "348.0 s from DATE-OBS to MJDEND"),
         (3600.0, "TELAPSE = 3930.0", "TELAPSE is 3930 s (from start to end)"),
         (3600.0, "TELAPSE = 3400.0", "TELAPSE is 3400 s"),
         (3600.0, "LIVETIME= 3700.0", "LIVETIME is 3700 s (in all parts)"),

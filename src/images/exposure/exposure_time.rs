@@ -2,14 +2,16 @@
 
 use hifitime::{Epoch, TimeScale, TimeUnits};
 
+use crate::constants::LONGEST_EXPOSURE_S;
 use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 
+use super::super::card::CardValue;
 use super::super::header::Header;
-use super::comment::Role;
-use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, unreadable};
-use super::length::{Length, STATED_S, length};
-use super::moment::Keywords;
+use super::comment::{Comment, Role};
+use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, NAMED_STARTS, unreadable};
+use super::length::{Length, REMARKS, STATED_S, length};
+use super::moment::{Keywords, is_spelling};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 
 /// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
@@ -21,6 +23,8 @@ const SHIFT_SLACK: f64 = 0.1;
 
 /// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
 const LOOSE_END_S: f64 = 60.0;
+/// Part of the exposure time up to which a readout may be included in the end (48 s after 300 s at MegaCam of the CFHT).
+const READOUT_SHARE: f64 = 0.25;
 /// Time by which a clock of the telescope may be before the start, seconds.
 const LOOSE_START_S: f64 = 10.0;
 
@@ -30,6 +34,12 @@ const COARSE_S: f64 = 10.0;
 
 /// Word of TIMESYS for a clock that is not exactly in the scale (NOAO: `UTC approximate`).
 const APPROXIMATE: &str = "APPROXIMATE";
+
+/// Beginnings of keywords of the offset of a local time from universal time, without hyphens.
+const ZONES: &[&str] = &["TIMEZON", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
+
+/// Keywords of errors of times, and of an offset (FITS standard 4.0, section 9.4).
+const TIME_ERRORS: &[&str] = &["TIMEOFFS", "TIMSYER", "TIMRDER"];
 
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
@@ -128,9 +138,10 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         let loose_s = if end.is_loose { LOOSE_END_S + length.seconds } else { 0.0 };
         let digits_s = start.slack_s + end.slack_s;
         let slack_s = START_SLACK_S + digits_s + SHIFT_SLACK * length.seconds;
+        let readout_s = digits_s + LOOSE_END_S.min(READOUT_SHARE * length.seconds);
         let late_s = span_s - length.seconds;
         let given = format!("{} s, but it is {span_s:.1} s from {} to {}", length.seconds, start.from, end.from);
-        if !(-slack_s..=slack_s + loose_s).contains(&late_s) {
+        if !(-slack_s..=readout_s.max(slack_s + loose_s)).contains(&late_s) {
             let allowed = if span_s > 0.0 {
                 format!(
                     "an exposure without gaps; specify --exposure {span_s:.0}s for the whole span, or --start and \
@@ -145,7 +156,7 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
             let use_of = &length.keyword;
             remarks.push(format!("{use_of} is {given}: {use_of} is used; for another span specify --exposure"));
         }
-        is_confirmed |= !end.is_loose && end.slack_s <= COARSE_S;
+        is_confirmed |= !end.is_loose && late_s <= slack_s && end.slack_s <= COARSE_S;
     }
     Ok(is_confirmed)
 }
@@ -208,6 +219,9 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         // the exposure. Days may be cut off to the digit before.
         let is_clock = other.from.starts_with("UT");
         let early_s = if is_clock { LOOSE_START_S } else { 0.0 } + if other.is_loose { other.slack_s } else { 0.0 };
+        // UT of Subaru is that of the start, with the comment "typical UTC at the exposure (middle".
+        let is_read_early = other.is_loose && other.role == Role::Middle && states_start(keywords, &first);
+        let early_s = early_s + if is_read_early { duration_s / 2.0 } else { 0.0 };
         let late_s = if other.is_loose { LOOSE_END_S + duration_s } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
@@ -243,9 +257,22 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         }
     }
     if first.slack_s > START_SLACK_S {
-        remarks.push(format!("the start of {} is uncertain by {:.1} s, by its digits", first.from, first.slack_s));
+        let from = &first.from;
+        remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
     let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
+    if approximate.is_none()
+        && let Some(comment) = comments_of(keywords, &first).into_iter().find(Comment::is_doubtful)
+    {
+        remarks.push(format!(
+            "the start is that of {}, by its comment {:?} perhaps another instant; for another one specify --start",
+            first.from,
+            comment.text()
+        ));
+    }
+    remarks.extend(about_times(keywords, &first));
+    remarks.extend(other_parts(&instants, &first, duration_s));
+    remarks.extend(zone(keywords, &instants, &first));
     remarks.extend(
         approximate.map(|(keyword, name)| format!("{keyword} is {name:?}: times are read as {}", scale_name(&name))),
     );
@@ -285,7 +312,8 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
     let coarse = || {
         let instant = instants.found.first()?;
         let given = format!("{:?}, uncertain by {:.0} s", instant.value, instant.slack_s);
-        let allowed = "a time with seconds, or days with four decimals or more, in this or another keyword, or --start";
+        let allowed =
+            "a time to 10 s (with seconds, or days with four decimals), in this or another keyword, or --start";
         Some(Error::invalid(instant.from.clone(), given, allowed))
     };
     let missing = || Error::invalid("start of the exposure", "missing", START_KEYWORDS);
@@ -315,11 +343,95 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
     Some(Error::invalid(format!("start of {}", start.from), given, allowed))
 }
 
-/// Returns true if TIMESYS or the comment of the keyword of the start states UTC.
+/// Returns the comments of the keywords of the start.
+fn comments_of(keywords: Keywords<'_>, start: &Start) -> Vec<Comment> {
+    let names = start.from.split(" - ").next().unwrap_or_default().split(" + ");
+    names.filter_map(|name| keywords.find(name)).map(|(header, name)| keywords.comment(header, &name)).collect()
+}
+
+/// Returns true if TIMESYS or the comment of a keyword of the start states UTC.
 fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
     let by_keyword = timesys(keywords).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
-    let keyword = start.from.split(' ').next().unwrap_or_default();
-    by_keyword || keywords.text_and_comment(keyword).is_some_and(|(.., comment)| comment.is_universal())
+    by_keyword || comments_of(keywords, start).iter().any(Comment::is_universal)
+}
+
+/// Returns true if the name or the comment of a keyword of the start states the start.
+fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
+    let is_named = |name: &str| NAMED_STARTS.iter().any(|known| is_spelling(known, name));
+    let is_stated = |comment: &Comment| matches!(comment.role(None), Ok(Some(Role::Start)));
+    start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
+}
+
+/// Returns a sentence about the first card that states an error of the times of the header, or in which part of the
+/// exposure or in which zone they are.
+fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
+    let card = keywords.cards().find(|card| match card.value() {
+        None => REMARKS.contains(&card.keyword().as_str()) && Comment::new(&card.remark_text()).is_about_times(),
+        Some(CardValue::Integer(_) | CardValue::Real(_)) => {
+            let is_standard = TIME_ERRORS.contains(&card.keyword().as_str());
+            let number = keywords.number(&[&card.keyword()], |number| number.abs() > START_SLACK_S);
+            number.is_some() && (is_standard || Comment::new(&card.comment()).is_of_clock_error())
+        }
+        _ => false,
+    })?;
+    let text = card.text();
+    Some(format!(
+        "the start is that of {}; for another one specify --start; the header has the card {:?}",
+        start.from,
+        text.trim_end()
+    ))
+}
+
+/// Returns a sentence about the zone of a header in which nothing states that the start is in universal time.
+fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<String> {
+    let (name, value) = keywords.cards().find_map(|card| {
+        let name = card.keyword();
+        let bare = name.replace(['-', '_', ' '], "");
+        let is_zone = bare == "TZ"
+            || ZONES.iter().any(|zone| bare.starts_with(zone))
+            || Comment::new(&card.comment()).is_of_zone();
+        let value = match card.value().filter(|_| is_zone)? {
+            CardValue::Integer(number) => number.to_string(),
+            CardValue::Real(number) => number.to_string(),
+            CardValue::Text(text) => text.trim().to_owned(),
+            _ => return None,
+        };
+        // Quarters of an hour, in hours or in seconds.
+        let is_offset = |number: f64| {
+            number != 0.0 && ((4.0 * number).fract() == 0.0 && number.abs() <= 14.0 || number % 900.0 == 0.0)
+        };
+        let is_local = value.parse().map_or(!value.is_empty() && !Comment::new(&value).is_universal(), is_offset);
+        is_local.then_some((name, value))
+    })?;
+    // A scale, another clock of universal time, or a different local time show that the start is not local.
+    let is_stated = timesys(keywords).is_some()
+        || comments_of(keywords, start).iter().any(Comment::is_universal)
+        || instants.found.iter().any(|instant| instant.from.contains("UT"))
+        || !instants.local_clocks.is_empty();
+    (!is_stated).then(|| {
+        format!("{} is read as UTC, and {name} is {value}: if it is a local time, specify --start", start.from)
+    })
+}
+
+/// Returns sentences about middles and ends in keywords of other names that do not fit the exposure.
+fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<String> {
+    let sentence = |other: &Instant| {
+        let part = if other.role == Role::Middle { "middle" } else { "end" };
+        let expected_s = if other.role == Role::Middle { duration_s / 2.0 } else { duration_s };
+        let late_s = seconds_between(start.epoch, other.epoch) - expected_s;
+        let slack_s = STATED_S + start.slack_s + other.slack_s + SHIFT_SLACK * duration_s;
+        (slack_s..LONGEST_EXPOSURE_S).contains(&late_s.abs()).then(|| {
+            let side = if late_s > 0.0 { "later" } else { "earlier" };
+            format!(
+                "{} is {:.1} s {side} than the {part} of the exposure, by the start of {}: for another exposure specify \
+                 --start and --exposure",
+                other.from,
+                late_s.abs(),
+                start.from
+            )
+        })
+    };
+    instants.others.iter().filter_map(sentence).collect()
 }
 
 /// Returns the error of a date and a time of day of the middle or the end, if the start is on the day before and

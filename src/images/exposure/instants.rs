@@ -6,6 +6,7 @@ use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
+use super::super::card::CardValue;
 use super::comment::{Comment, Role};
 use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution};
 
@@ -44,7 +45,10 @@ const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "SHUT-OPEN"];
 const LOOSE_DATES: &[&str] = &["MJD", "JD"];
 
 /// Keywords of the middle and of the end of the exposure.
-const MIDDLES: &[&str] = &["DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID"];
+const MIDDLES: &[&str] = &[
+    "DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID", "UT-MID", "UTC-MID", "TIME-MID",
+    "MIDTIME",
+];
 const ENDS: &[&str] = &[
     "DATE-END",
     "MJD-END",
@@ -63,7 +67,7 @@ const ENDS: &[&str] = &[
 const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UTC-STOP", "TIME-STOP", "TM-END"];
 
 /// Keywords whose names state that they refer to the start.
-const NAMED_STARTS: &[&str] = &[
+pub(super) const NAMED_STARTS: &[&str] = &[
     "DATE-BEG",
     "DATE-STR",
     "MJD-BEG",
@@ -77,7 +81,9 @@ const NAMED_STARTS: &[&str] = &[
     "SHUT-OPEN",
     "TIME-BEG",
     "UT-START",
+    "UT-STR",
     "UTC-START",
+    "UTC-STR",
     "TM-START",
 ];
 
@@ -90,6 +96,9 @@ const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "L
 /// Rounding error of a time without seconds, seconds.
 const MINUTE_S: f64 = 60.0;
 
+/// Rounding error of one reading of a clock in two forms, seconds.
+const SAME_READING_S: f64 = 0.01;
+
 /// Largest difference between two instants that are computed from the same clock, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
 
@@ -100,7 +109,7 @@ pub struct Instant {
     pub from: String,
     /// Its value as written.
     pub value: String,
-    /// Rounding error of its digits, seconds.
+    /// Rounding error of its digits, or the uncertainty that its comment states, seconds.
     pub slack_s: f64,
     pub role: Role,
     /// True for keywords that are used only if no other keyword gives the start.
@@ -114,6 +123,8 @@ pub struct Instant {
 #[derive(Default)]
 pub struct Instants {
     pub found: Vec<Instant>,
+    /// Middles and ends in keywords of other names, such as OBS-END, which are only compared.
+    pub others: Vec<Instant>,
     /// Error of a date with a year of two digits, or with an ambiguous order.
     pub unclear: Option<Error>,
     /// Error of a date without a time.
@@ -142,9 +153,10 @@ impl Instants {
             reader.days(keyword, Role::Start, false)?;
         }
         // SDSS writes the seconds of TAI since MJD 0.
-        if let Some((from, seconds, _)) = keywords.number(&["TAI"], |seconds| seconds > 1e9) {
-            let epoch = epoch_from_mjd(seconds / DAY_S, TimeScale::TAI).ok();
-            reader.instants.found.extend(epoch.map(|epoch| instant(epoch, from, Role::Start)));
+        if let Some((from, seconds, comment)) = keywords.number(&["TAI"], |seconds| seconds > 1e9)
+            && let Ok(epoch) = epoch_from_mjd(seconds / DAY_S, TimeScale::TAI)
+        {
+            reader.add(instant(epoch, from, Role::Start), &seconds.to_string(), &[Comment::new(&comment)]);
         }
         for keyword in OTHER_STARTS {
             reader.any_form(keyword, Role::Start)?;
@@ -163,6 +175,7 @@ impl Instants {
         for keyword in END_TIMES {
             reader.clock(keyword, Role::End, true);
         }
+        reader.other_parts();
         for keyword in LOCAL_TIMES {
             let clock = keywords.text_and_comment(keyword).and_then(|(name, text, _)| Some((name, clock_in(&text)?)));
             reader.instants.local_clocks.extend(clock);
@@ -215,6 +228,65 @@ impl Reader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Reads dates with a time and day numbers in other keywords whose name or comment states the middle or the end, such
+    /// as OBS-END and MIDMJD.
+    fn other_parts(&mut self) {
+        let known = [
+            DATES,
+            TIMES,
+            LOOSE_TIMES,
+            MODIFIED_DATES,
+            JULIAN_DATES,
+            OTHER_STARTS,
+            LOOSE_DATES,
+            MIDDLES,
+            ENDS,
+            END_TIMES,
+        ]
+        .concat();
+        for card in self.keywords.cards() {
+            let name = card.keyword();
+            let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
+            let named = if has(&["MID"]) {
+                Some(Role::Middle)
+            } else {
+                has(&["END", "STOP", "CLOS", "FIN"]).then_some(Role::End)
+            };
+            let comment = Comment::new(&card.comment());
+            let role = match comment.role(named) {
+                Ok(Some(role)) if role != Role::Start && comment.scale().is_ok() => role,
+                _ => continue,
+            };
+            // Times of the processing, BJD_TDB, JD_TT
+            let in_name = Comment::new(&name);
+            let is_of_processing = name.contains("TREND")
+                || comment.has("processing reduction proprietary release")
+                || (named.is_none() && !comment.has("exposure exp observation obs frame integration shutter"));
+            if is_of_processing || in_name.role(Some(role)).is_err() || in_name.scale() != Ok(None) {
+                continue;
+            }
+            if known.iter().any(|keyword| is_spelling(keyword, &name)) {
+                continue;
+            }
+            let scale = self.scale_of(&comment);
+            let (epoch, slack_s) = match card.value() {
+                Some(CardValue::Text(text)) => match parse_date(&text, scale) {
+                    DateText::Moment(epoch) => (Some(epoch), 0.0),
+                    _ => continue,
+                },
+                Some(CardValue::Real(days)) if days > 1e6 => {
+                    (epoch_from_jd(days, scale).ok(), resolution(card) * DAY_S)
+                }
+                Some(CardValue::Real(days)) if name.contains("MJD") || comment.has("mjd") => {
+                    (epoch_from_mjd(days, scale).ok(), resolution(card) * DAY_S)
+                }
+                _ => continue,
+            };
+            let other = epoch.map(|epoch| Instant { slack_s, ..instant(epoch, name, role) });
+            self.instants.others.extend(other);
+        }
     }
 
     /// Combines a date with the time of day in another keyword. Returns false if there is none.
@@ -386,7 +458,13 @@ impl Reader<'_> {
             Ok(role) => {
                 let is_without_seconds = value.trim_end_matches("+00:00").matches(':').count() == 1;
                 let slack_s = if is_without_seconds { MINUTE_S } else { instant.slack_s };
-                let (role, value) = (role.unwrap_or(usual), value.to_owned());
+                let stated_s = comments.iter().filter_map(Comment::uncertainty_s);
+                let slack_s = stated_s.fold(slack_s, f64::max);
+                // A number of days that is computed from a date concerns the same part.
+                let is_same =
+                    |known: &&Instant| seconds_between(known.epoch, instant.epoch).abs() <= SAME_READING_S + slack_s;
+                let same = || self.instants.found.iter().find(is_same).filter(|_| !is_named).map(|known| known.role);
+                let (role, value) = (role.or_else(same).unwrap_or(usual), value.to_owned());
                 self.instants.found.push(Instant { role, value, slack_s, ..instant });
             }
             Err((comment, problem)) => {

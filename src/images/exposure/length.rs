@@ -3,7 +3,7 @@
 use crate::constants::LONGEST_EXPOSURE_S;
 use crate::error::Error;
 
-use super::super::card::CardValue;
+use super::super::card::{Card, CardValue};
 use super::super::header::Header;
 use super::comment::{Comment, seconds_in};
 use super::instants::unreadable;
@@ -22,6 +22,9 @@ const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
 /// Keywords of the time from the start to the end of the exposure, and of the sum over several exposures.
 const SPANS: &[&str] = &["TELAPSE", "TELAPSED"];
 const SUMS: &[&str] = &["LIVETIME", "TOTALEXP", "TOTEXP", "TOTEXPT", "EXPTOT", "EXPTOTAL"];
+/// Keywords of times that may be those of the exposure with gaps, of all parts of a stack, or of a sequence.
+const DOUBTFUL_TIMES: &[&str] = &["DURATION", "ELAPSED", "TEXP", "EXP-SUM", "REALTIME"];
+const TOTALS: &[&str] = &["TOT", "CUM", "SUM"];
 
 /// Keywords of the number of exposures that the detector adds before it stores a frame.
 const COADDS: &[&str] = &[
@@ -36,6 +39,7 @@ const COADDS: &[&str] = &[
     "ESO DET NDIT",
     "NSUBEXP",
     "COEXP",
+    "COAVERAG",
     "NUMACC",
 ];
 /// Keywords of the number of frames that were added afterwards.
@@ -43,14 +47,26 @@ const STACKED: &[&str] = &[
     "STACKCNT", "NCOMBINE", "NCOMB", "NUM-COMB", "SNAPSHOT", "N-STACK", "NUMSTACK", "STACKNUM", "STACKED", "NINPUTS",
     "NDRIZIM",
 ];
-/// Keywords of a number of exposures that are added, or that follow each other in separate files.
-const DOUBTFUL: &[&str] = &[
-    "NEXP", "NUMEXP", "NEXPOSUR", "NFRAME", "NFRAMES", "NUMFRAME", "FRAMES", "NIMG", "NIMAGES", "N-IMAGES", "NSUB",
-    "NSUBS", "NUMSUB",
-];
+/// Parts of names of numbers of exposures that are added, or that follow each other in separate files, as in NIMG,
+/// NUM_EXP, FRAMES, NACC and STACK COUNT: a prefix and a kind of frames or sums, a kind in the plural, or a sum and a
+/// suffix.
+const COUNT_PREFIXES: &[&str] = &["NUMBEROF", "NUMBER", "NUM", "NB", "NO", "NR", "N"];
+const FRAME_KINDS: &[&str] =
+    &["IMG", "IMAG", "IMAGE", "FRAME", "FRM", "EXP", "EXPOSUR", "EXPOSURE", "SHOT", "REPEAT", "CYCLE"];
+const SUMS_OF_FRAMES: &[&str] =
+    &["STACK", "COADD", "COMB", "ICOMB", "AVER", "AVG", "ACC", "ACCUM", "ADD", "SUM", "SUB", "SUBEXP", "LIGHT"];
+const COUNT_SUFFIXES: &[&str] = &["COUNT", "CNT"];
+/// Other keywords of such numbers.
+const OTHER_COUNTS: &[&str] = &["CRSPLIT", "SUMFRAME", "FRMSUM", "LIVESTCK"];
+/// Beginnings of numbered keywords with the names of added files.
+const INPUTS: &[&str] = &["COMB", "CMB", "INP", "PROV", "STACK", "COADD", "FILE", "RAW"];
+/// Keywords of the time of one integration and of their number in headers of ESO.
+const ESO_TIMES: &[&str] = &["ESO DET DIT", "ESO DET SEQ1 DIT"];
+const ESO_NUMBER: &str = "ESO DET NDIT";
 /// Keywords of the kind of a frame, and words of stacks in their values.
 const KINDS: &[&str] = &["IMAGETYP", "IMAGETYPE", "FRAMETYP", "OBSTYPE", "PRODTYPE", "PROCTYPE"];
 const STACKS: &str = "stack stacked stacks stacking coadd coadded coaddition";
+const MASTER_LIGHT: &str = "light lights science object";
 
 /// Comments of other counts of added frames state a number of [`FRAMES`], have a word of [`ADDED`], and none of
 /// [`OF_CALIBRATION`].
@@ -59,7 +75,11 @@ const FRAMES: &str = "image images frame frames exposure exposures subframe subf
 /// Frames, if they are several.
 const SEVERAL: &str = "images frames exposures subexposures subframes subs inputs files lights accumulations";
 const ADDED: &str = "stack stacked stacking combine combined combining coadd coadds coadded co added adding summed sum \
-     averaged average median integrated accumulated drizzled input inputs";
+     averaged average mean median integrated accumulated drizzled binned input inputs";
+/// Words of sums in remarks, which are more often about other frames.
+const COMBINED: &str = "combine combined combining averaged summed";
+/// Keywords of remarks.
+pub(super) const REMARKS: &[&str] = &["HISTORY", "COMMENT"];
 const OF_CALIBRATION: &str = "bias biases dark darks flat flats zero zeros fringe sky calibration master reference ref \
      template background pixel pixels star stars rejected";
 /// Words of times and names instead of counts.
@@ -131,8 +151,8 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
     if lengths.is_empty() {
         lengths.extend(stated(keywords, TRUE_TIME)?);
     }
-    let parts = parts(keywords, lengths.iter().any(|length| length.comment.has(PER_PART)));
-    let agree = |a: f64, b: f64| (a - b).abs() <= LENGTH_SLACK_S + LENGTH_SLACK * a.abs();
+    let is_per_part = lengths.iter().any(|length| is_of_part(&length.comment));
+    let mut parts = parts(keywords, COADDS, is_per_part);
     let mut is_whole = false;
     if let Some(Parts { count, .. }) = &parts {
         // A time of one part is consistent with the time of all parts.
@@ -148,7 +168,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         let allowed = "EXPTIME, XPOSURE, EXPOSURE, ITIME, ..., or for example --exposure 30s";
         Error::invalid("length of the exposure", "missing", allowed)
     })?;
-    let Stated { seconds, keyword, comment } = first;
+    let Stated { mut seconds, mut keyword, comment } = first;
     if !(seconds > 0.0 && seconds <= LONGEST_EXPOSURE_S) {
         let allowed = format!("above 0 s, at most {LONGEST_EXPOSURE_S} s (a bias frame has no exposure)");
         return Err(Error::invalid(keyword, format!("{seconds} s"), allowed));
@@ -157,8 +177,21 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         let given = format!("{seconds} s and {} is {} s", other.keyword, other.seconds);
         return Err(Error::invalid(keyword, given, "one length; specify it, for example --exposure 30s"));
     }
-    let mut of_sum = None;
     let mut remarks = Vec::new();
+    // EXPTIME of ESO is the time of one integration or of all, depending on the instrument.
+    let of_eso = keywords.number(ESO_TIMES, |time| time > 0.0).zip(keywords.number(&[ESO_NUMBER], |count| count > 1.0));
+    let is_of_eso = |part_s: f64, count: f64| agree(seconds, part_s) || agree(seconds, count * part_s);
+    let of_eso = of_eso.filter(|((_, part_s, _), (_, count, _))| is_of_eso(*part_s, *count));
+    if let Some(((name, part_s, _), (number, count, _))) = &of_eso {
+        remarks.push(format!(
+            "{keyword} is {seconds} s, and {number} is {count}: {name} x {number} = {} s is used as the time of this frame \
+             from start to end, without the time between integrations; for another span specify --exposure",
+            count * part_s
+        ));
+        (seconds, keyword) = (count * part_s, format!("{name} x {number}"));
+        parts = self::parts(keywords, &[], is_per_part);
+    }
+    let mut of_sum = None;
     // "Total number of exposures" (Liverpool Telescope) is no time.
     let is_count = |name: &str| {
         let found = keywords.find(name);
@@ -185,18 +218,39 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
             ));
         }
     }
+    if comment.is_approximate() {
+        let text = comment.text();
+        remarks.push(format!(
+            "{keyword} is {seconds} s, by its comment {text:?} approximately; for another one specify --exposure"
+        ));
+    }
+    for other in doubtful_times(keywords, seconds) {
+        let Stated { seconds: other_s, keyword: other, .. } = other;
+        remarks.push(format!(
+            "{keyword} is {seconds} s, but {other} is {other_s} s: {keyword} is used; for another span specify --exposure"
+        ));
+    }
     let of_part = keywords.number(PART_TIMES, |time| agree(time, seconds));
     let is_whole = is_whole
         || parts.as_ref().is_some_and(|Parts { count, .. }| {
             keywords.number(&["EXP1TIME"], |time| agree(count * time, seconds) && time < seconds).is_some()
         });
-    let is_of_all = is_whole || (comment.has(OF_ALL) && !comment.has(PER_PART) && of_part.is_none());
+    let is_of_all = is_whole || (comment.has(OF_ALL) && !is_of_part(&comment) && of_part.is_none());
     let is_resampled = comment.has("equivalent");
+    let part_time = || {
+        let shorter = keywords.number(PART_TIMES, |time| time > 0.0 && time < seconds && !agree(time, seconds));
+        shorter.filter(|_| of_eso.is_none()).map(|(name, time, _)| (name, time.to_string()))
+    };
+    let in_comment = || {
+        let is_of_several = is_of_part(&comment) || comment.has(ADDED);
+        let is_doubtful = product_in(comment.text(), seconds, false) || (is_of_several && !is_alone(keywords));
+        is_doubtful.then(|| ("its comment".to_owned(), format!("{:?}", comment.text())))
+    };
     if parts.is_none()
-        && let Some((name, count)) = doubtful(keywords)
+        && let Some((name, value)) = doubtful(keywords, seconds).or_else(part_time).or_else(in_comment)
     {
         remarks.push(format!(
-            "{keyword} is {seconds} s, and {name} is {count}: {keyword} is used as the time of this frame from start to end; \
+            "{keyword} is {seconds} s, and {name} is {value}: {keyword} is used as the time of this frame from start to end; \
              if it is a stack, specify --exposure"
         ));
     }
@@ -208,7 +262,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         }
         let given = if is_resampled {
             format!("{seconds} s, the equivalent time of a stack by its comment {:?}", comment.text())
-        } else if comment.has(PER_PART) || of_part.is_some() {
+        } else if is_of_part(&comment) || of_part.is_some() {
             format!("{seconds} s of each of {count} exposures ({name})")
         } else {
             format!("{seconds} s, and {name} is {shown}: the time of one exposure or of all")
@@ -255,21 +309,62 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error
     Ok(Some(Stated { seconds, keyword, comment }))
 }
 
+/// Returns true if the comment of an exposure time states that it is that of one of several exposures; "per pixel" does
+/// not.
+fn is_of_part(comment: &Comment) -> bool {
+    comment.has(PER_PART) && !comment.has_pair("per", "pixel pix")
+}
+
+/// Returns true if two exposure times are taken as the same.
+fn agree(a: f64, b: f64) -> bool {
+    (a - b).abs() <= LENGTH_SLACK_S + LENGTH_SLACK * a.abs()
+}
+
+/// Returns longer times than the exposure that may concern the same frame, by their name or by a comment such as "total
+/// exposure time".
+fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
+    let is_known = |name: &str| [LENGTHS, SPANS, SUMS].concat().iter().any(|known| is_spelling(known, name));
+    let is_total = |comment: &Comment| {
+        let is_of_exposure = comment.has("exposure exptime integration observation");
+        ((comment.has(OF_ALL) || comment.has(STACKS)) && is_of_exposure || comment.has("elapsed"))
+            && !comment.has("number count")
+            && !comment.has(OF_CALIBRATION)
+            && !comment.has(OF_SERIES)
+    };
+    let is_total_name = |name: &str| {
+        TOTALS.iter().any(|total| name.starts_with(total)) && (name.contains("EXP") || name.contains("TIM"))
+    };
+    let is_doubtful = |card: &&Card| {
+        let name = card.keyword();
+        DOUBTFUL_TIMES.iter().any(|known| is_spelling(known, &name))
+            || (matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_)))
+                && !is_known(&name)
+                && !is_of_calibration(&name)
+                && (is_total(&Comment::new(&card.comment())) || is_total_name(&name)))
+    };
+    let times =
+        keywords.cards().filter(is_doubtful).filter_map(|card| stated(keywords, &card.keyword()).ok().flatten());
+    let mut longer: Vec<Stated> =
+        times.filter(|time| (seconds + STATED_S..=LONGEST_EXPOSURE_S).contains(&time.seconds)).collect();
+    longer.dedup_by(|next, time| next.keyword == time.keyword);
+    longer
+}
+
 /// Returns the number of exposures that are added in the frame, if they are several. `is_per_part` is true if the comment
 /// of the exposure time states that it is the time of one of them.
-fn parts(keywords: Keywords<'_>, is_per_part: bool) -> Option<Parts> {
-    let sure = COADDS.iter().chain(STACKED).find_map(|keyword| keywords.number(&[keyword], |count| count > 1.0));
+fn parts(keywords: Keywords<'_>, coadds: &[&str], is_per_part: bool) -> Option<Parts> {
+    let sure = coadds.iter().chain(STACKED).find_map(|keyword| keywords.number(&[keyword], |count| count > 1.0));
     if let Some((keyword, count, _)) = sure {
         return Some(Parts::new(keyword, count));
     }
-    if let Some((keyword, count)) = doubtful(keywords).filter(|_| is_per_part) {
+    if let Some((keyword, count)) = keywords.cards().filter(|_| is_per_part).find_map(number_of_frames) {
         return Some(Parts::new(keyword, count));
     }
     let kind = KINDS.iter().find_map(|name| {
-        keywords
-            .text(&[name])
-            .map(|(keyword, kind)| (keyword, Comment::new(&kind)))
-            .filter(|(_, kind)| kind.has(STACKS) && !kind.has(OF_CALIBRATION) && !kind.has("candidate"))
+        keywords.text(&[name]).map(|(keyword, kind)| (keyword, Comment::new(&kind))).filter(|(_, kind)| {
+            (kind.has(STACKS) && !kind.has(OF_CALIBRATION) && !kind.has("candidate"))
+                || (kind.has("master") && kind.has(MASTER_LIGHT))
+        })
     });
     if let Some((keyword, kind)) = kind {
         return Some(Parts { keyword, shown: format!("{:?}", kind.text()), count: 1.0 });
@@ -277,16 +372,128 @@ fn parts(keywords: Keywords<'_>, is_per_part: bool) -> Option<Parts> {
     keywords.0.iter().find_map(|header| counted(header, is_per_part))
 }
 
-/// Returns the keyword and the value of a number of exposures that may be that of separate files.
-fn doubtful(keywords: Keywords<'_>) -> Option<(String, f64)> {
-    DOUBTFUL.iter().find_map(|name| {
-        let is_of_frame = |comment: &String| {
-            let comment = Comment::new(comment);
-            !comment.has(OF_SERIES) && !comment.has(OF_CALIBRATION)
+/// Returns true if a name is that of a number of frames or exposures.
+fn is_count(name: &str) -> bool {
+    let bare = name.replace(['-', '_', ' '], "");
+    let singular = bare.trim_end_matches('S');
+    let is_kind = |root: &str| FRAME_KINDS.contains(&root) || SUMS_OF_FRAMES.contains(&root);
+    OTHER_COUNTS.contains(&bare.as_str())
+        || (bare.ends_with('S') && is_kind(singular))
+        || COUNT_PREFIXES.iter().any(|prefix| singular.strip_prefix(prefix).is_some_and(is_kind))
+        || COUNT_SUFFIXES
+            .iter()
+            .any(|suffix| bare.strip_suffix(suffix).is_some_and(|sum| SUMS_OF_FRAMES.contains(&sum)))
+}
+
+/// Returns the keyword and the value of a number of exposures above 1, which may be that of separate files.
+fn number_of_frames(card: &Card) -> Option<(String, f64)> {
+    let (keyword, comment) = (card.keyword(), Comment::new(&card.comment()));
+    let number = match card.value()? {
+        CardValue::Real(number) if number.fract() == 0.0 => number,
+        value => whole_number(Some(value))?,
+    };
+    let is_number = is_count(&keyword)
+        || comment.has_pair(STACKS, "count number size")
+        || Comment::new(&keyword).has_pair(SEVERAL, ADDED)
+        || (keyword.contains(' ') && Comment::new(&keyword).has("stacked coadded combined"));
+    let is_of_frame = !comment.has(OF_SERIES) && !comment.has(OF_CALIBRATION);
+    (number > 1.0 && is_number && is_of_frame).then_some((keyword, number))
+}
+
+/// Returns true if a number of exposures is 1.
+fn is_alone(keywords: Keywords<'_>) -> bool {
+    let is_one = |card: &Card| is_count(&card.keyword()) && whole_number(card.value()) == Some(1.0);
+    keywords.number(STACKED, |count| count == 1.0).is_some()
+        || keywords.number(COADDS, |count| count == 1.0).is_some()
+        || keywords.cards().any(is_one)
+}
+
+/// Returns the name and the value of what may state that the frame is a sum of several: a number of exposures, which may
+/// be that of separate files, the names of added files, or a text.
+fn doubtful(keywords: Keywords<'_>, seconds: f64) -> Option<(String, String)> {
+    if keywords.number(STACKED, |count| count == 1.0).is_some() {
+        return None;
+    }
+    let count = || keywords.cards().find_map(number_of_frames).map(|(keyword, count)| (keyword, count.to_string()));
+    let in_text = |card: &Card| {
+        let keyword = card.keyword();
+        let is_named = ["STACK", "COMB", "COADD"].iter().any(|name| keyword.starts_with(name));
+        let text = match card.value() {
+            Some(CardValue::Logical(true)) if is_named => return Some((keyword, "T".to_owned())),
+            Some(CardValue::Text(text)) if is_named && Comment::new(&text).has(ADDED) => {
+                return Some((keyword, format!("{text:?}")));
+            }
+            Some(CardValue::Text(text)) => text,
+            None if REMARKS.contains(&keyword.as_str()) => card.remark_text(),
+            _ => return None,
         };
-        let found = keywords.number(&[name], |count| count > 1.0).filter(|(.., comment)| is_of_frame(comment));
-        found.map(|(keyword, count, _)| (keyword, count))
+        is_of_sum(&text, seconds).then(|| (keyword, format!("{:?}", text.trim())))
+    };
+    let is_input = |card: &&Card| {
+        let keyword = card.keyword();
+        let stem = keyword.trim_end_matches(|c: char| c.is_ascii_digit());
+        let is_file = || matches!(card.value(), Some(CardValue::Text(text)) if is_file(&text));
+        stem.len() < keyword.len() && INPUTS.iter().chain(FRAME_KINDS).any(|name| stem.starts_with(name)) && is_file()
+    };
+    let inputs = || {
+        let (mut files, number) = (keywords.cards().filter(is_input), keywords.cards().filter(is_input).count());
+        files.next().filter(|_| number > 1).map(|card| (card.keyword(), format!("the first of {number} files")))
+    };
+    count().or_else(|| keywords.cards().find_map(in_text)).or_else(inputs)
+}
+
+/// Returns true if a text is the name of a FITS file, perhaps with an extension in brackets.
+fn is_file(text: &str) -> bool {
+    let name = text.trim().split('[').next().unwrap_or_default().to_ascii_lowercase();
+    [".fits", ".fit", ".fts", ".fz"].iter().any(|end| name.ends_with(end))
+}
+
+/// Returns true if a text states a sum of frames: their number, as in "ncombine = 12", "Average of 12 frames" or
+/// "12x30s", or their names after a word such as "imcombine".
+fn is_of_sum(text: &str, seconds: f64) -> bool {
+    if is_of_calibration(text) {
+        return false;
+    }
+    let number = text.split_once('=').and_then(|(before, after)| {
+        let name = before.split_whitespace().last()?.to_ascii_uppercase();
+        let is_known = COADDS.iter().chain(STACKED).any(|known| is_spelling(known, &name)) || is_count(&name);
+        after.split_whitespace().next()?.parse::<f64>().ok().filter(|count| is_known && *count > 1.0)
+    });
+    let lower = text.to_ascii_lowercase();
+    let has_files = lower.split([' ', ',', ';']).filter(|word| is_file(word)).count() > 1
+        && ["combin", "stack", "coadd", "averag", "sum"].iter().any(|word| lower.contains(word));
+    let is_of_pixinsight = lower.contains("imageintegration.");
+    number.is_some()
+        || is_of_pixinsight
+        || has_files
+        || counted_in(text, ADDED).is_some()
+        || product_in(text, seconds, true)
+}
+
+/// Returns true if a text contains a number of exposures times the time of one, such as "12x30s", which is the exposure
+/// time, or the product is. Without `has_unit` no unit is necessary.
+fn product_in(text: &str, seconds: f64, has_unit: bool) -> bool {
+    let lower = text.to_ascii_lowercase();
+    lower.match_indices(['x', '*']).any(|(at, _)| {
+        // "12 subs x 30 s"
+        let before = lower[..at].trim_end_matches(|c: char| c == ' ' || c.is_ascii_alphabetic());
+        let count = before.rsplit(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
+        let rest = lower[at + 1..].trim_start();
+        let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(rest.len());
+        let unit = rest[end..].trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        let unit_s = seconds_in(unit).or((!has_unit).then_some(1.0));
+        let (Ok(count), Ok(part), Some(unit_s)) = (count.parse::<f64>(), rest[..end].parse::<f64>(), unit_s) else {
+            return false;
+        };
+        let part_s = part * unit_s;
+        count > 1.0 && part_s > 0.0 && (agree(seconds, part_s) || agree(seconds, count * part_s))
     })
+}
+
+/// Returns true if a text names calibration frames, such as "masterdark" and "superbias".
+fn is_of_calibration(text: &str) -> bool {
+    let lower = text.to_ascii_lowercase();
+    ["bias", "dark", "flat", "zero", "fringe", "cosmic"].iter().any(|word| lower.contains(word))
 }
 
 /// Returns the number of added frames that the comment of a card, the list of the frames (IRAF) or a remark states, for
@@ -295,8 +502,8 @@ fn counted(header: &Header, is_per_part: bool) -> Option<Parts> {
     let mut listed = 0;
     for card in header.cards() {
         let keyword = card.keyword();
-        if ["HISTORY", "COMMENT"].contains(&keyword.as_str()) {
-            if let Some(count) = counted_in(&card.remark_text()).filter(|count| *count > 1.0) {
+        if REMARKS.contains(&keyword.as_str()) {
+            if let Some(count) = counted_in(&card.remark_text(), COMBINED).filter(|count| *count > 1.0) {
                 return Some(Parts::new(format!("the number of frames in {keyword}"), count));
             }
         } else if keyword.strip_prefix("IMCMB").is_some_and(|number| number.parse::<u32>().is_ok()) {
@@ -327,21 +534,18 @@ fn whole_number(value: Option<CardValue>) -> Option<f64> {
     }
 }
 
-/// Returns the number of added frames in a remark such as "Stacked 12 images using median".
-fn counted_in(text: &str) -> Option<f64> {
+/// Returns the number of added frames in a text such as "Stacked 12 images using median" with one of several words.
+fn counted_in(text: &str, added: &str) -> Option<f64> {
     if let Some((_, count)) = text.split_once("numberOfImages:") {
         return count.trim().parse().ok();
     }
     let remark = Comment::new(text);
-    let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    // "25 light frames stacked"
+    let words: Vec<&str> =
+        words.filter(|word| !["light", "raw", "science"].iter().any(|kind| kind.eq_ignore_ascii_case(word))).collect();
     let is_several = |word: &str| SEVERAL.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word));
     let pair = words.windows(2).find(|pair| is_several(pair[1]) && pair[0].parse::<u32>().is_ok());
-    // "masterdark", "superbias"
-    let lower = text.to_ascii_lowercase();
-    let is_of_calibration =
-        ["bias", "dark", "flat", "zero", "fringe", "cosmic"].iter().any(|word| lower.contains(word));
-    let is_sum = (remark.has(STACKS) || remark.has("combine combined combining averaged summed"))
-        && !remark.has(OF_CALIBRATION)
-        && !is_of_calibration;
+    let is_sum = (remark.has(STACKS) || remark.has(added)) && !remark.has(OF_CALIBRATION) && !is_of_calibration(text);
     pair.filter(|_| is_sum)?[0].parse().ok()
 }

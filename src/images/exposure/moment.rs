@@ -86,6 +86,14 @@ pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale)
 pub(super) struct Keywords<'a>(pub &'a [&'a Header]);
 
 impl<'a> Keywords<'a> {
+    /// Returns the cards of all headers. A header that is given twice, that of an image in the primary HDU, is read once.
+    pub fn cards(self) -> impl Iterator<Item = &'a Card> {
+        let is_first = move |(at, header): &(usize, &&'a Header)| {
+            !self.0[..*at].iter().any(|other| std::ptr::eq(*other, **header))
+        };
+        self.0.iter().enumerate().filter(is_first).flat_map(|(_, header)| header.cards())
+    }
+
     /// Returns the first header in which a keyword has a value, and the keyword as written in that header, where an
     /// underscore may replace a hyphen, or the hyphen may be missing.
     pub fn find(self, keyword: &str) -> Option<(&'a Header, String)> {
