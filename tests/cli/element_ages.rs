@@ -14,7 +14,17 @@ const FIELD: &[&str] = &["--mpc", "X05", "--fov", "3.5deg", "--limit-mag", "7"];
 /// Writes the satellites of a simulated constellation as real ones with this name and an epoch a week before
 /// examples/night.csv.
 fn catalogue(folder: &tempfile::TempDir, shells: &str, name: &str, half_derivative_rev_day2: f64) -> String {
-    let sets = Constellation::by_name(shells).unwrap().element_sets(EPOCH.parse().unwrap());
+    catalogue_of(folder, shells, name, half_derivative_rev_day2, EPOCH)
+}
+
+fn catalogue_of(
+    folder: &tempfile::TempDir,
+    shells: &str,
+    name: &str,
+    half_derivative_rev_day2: f64,
+    epoch: &str,
+) -> String {
+    let sets = Constellation::by_name(shells).unwrap().element_sets(epoch.parse().unwrap());
     let text = |(number, set): (u32, &ElementSet)| {
         let set = ElementSet {
             norad_id: NoradId(60_000 + number),
@@ -27,7 +37,7 @@ fn catalogue(folder: &tempfile::TempDir, shells: &str, name: &str, half_derivati
         let [line1, line2] = format_tle(&set).unwrap();
         format!("{name}{number}\n{line1}\n{line2}\n")
     };
-    let file = path(folder, "old.tle");
+    let file = path(folder, &format!("{}.tle", &epoch[..10]));
     fs::write(&file, (1..).zip(&sets).map(text).collect::<String>()).unwrap();
     file
 }
@@ -52,6 +62,31 @@ fn verif_published_drag_changes_positions_and_is_stated() {
     // Without drag the stated along-track error is smaller.
     let late_s = |answer: &Value| number(answer, "along_track_sigma_s");
     assert!(late_s(&station_keeping) < 0.5 * late_s(&published), "{} {}", late_s(&station_keeping), late_s(&published));
+}
+
+/// Each night of a schedule uses the element sets closest to it, as if it was judged alone.
+#[test]
+fn verif_element_sets_are_chosen_for_each_night() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |epoch| catalogue_of(&folder, "starlink-gen1", "STARLINK-31", 1e-6, epoch);
+    let files = ["2026-08-07T00:00:00 UTC", "2026-08-19T00:00:00 UTC"].map(of);
+    let rows = [("a", "2026-08-08T01:00:00Z"), ("b", "2026-08-09T01:00:00Z"), ("c", "2026-08-20T01:00:00Z")];
+    let judged = |rows: &[(&str, &str)]| {
+        let row = |(id, start): &(&str, &str)| format!("{id},{start},300,270,-30\n");
+        let schedule = path(&folder, "schedule.csv");
+        let head = "exposure_id,start_utc,exposure_s,ra_deg,dec_deg\n".to_owned();
+        fs::write(&schedule, head + &rows.iter().map(row).collect::<String>()).unwrap();
+        let words = ["flag", "--elements", &files[0], &files[1], "--schedule", &schedule, "--mpc", "X05", "--fov", "10deg"];
+        json(&[&words, &["--quiet"]])
+    };
+    let all = judged(&rows);
+    assert_eq!(all["provenance"]["element_sets"], "closest to the middle of each night");
+    for (index, row) in rows.iter().enumerate() {
+        let alone = judged(&[*row]);
+        assert_eq!(all["exposures"][index], alone["exposures"][0], "{row:?}");
+        let age_days = all["exposures"][index]["elements_age_days"].as_f64().unwrap();
+        assert!((1.0..2.1).contains(&age_days), "{row:?} {age_days}");
+    }
 }
 
 fn share(text: &str) -> f64 {

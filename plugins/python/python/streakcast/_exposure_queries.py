@@ -145,8 +145,7 @@ class ExposureQueries(SiteQueries):
     ) -> list[Path]:
         """Writes a copy of a schedule file with verdicts and streaks, as ``streakcast annotate``.
 
-        As in the other methods, element sets are chosen for each night; the command line chooses them for the middle of
-        the whole schedule.
+        As in the other methods and on the command line, element sets are chosen for each night.
 
         Parameters
         ----------

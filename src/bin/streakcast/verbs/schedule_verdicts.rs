@@ -204,16 +204,25 @@ impl PreparedSchedule {
     fn judge_parts(&self, see: See<'_>, take: Take<'_>) -> anyhow::Result<FlagTotals> {
         let Self { schedule, plan, notices, .. } = self;
         let mut judge = RowJudge::new(schedule, plan, notices);
-        let mut warned = BTreeSet::new();
+        // Of warnings of different nights that differ only in numbers, the first one is printed.
+        let (mut texts, mut kinds) = (BTreeSet::new(), BTreeSet::new());
+        let mut is_printed = |warning: &String| {
+            texts.insert(warning.clone());
+            kinds.insert(warning.replace(|c: char| c.is_ascii_digit(), ""))
+        };
         let mut without_position = Vec::new();
         for (number, part) in self.parts.iter().enumerate() {
             let later = self.inputs.as_ref().filter(|_| number > 0);
             let later = later.map(|inputs| inputs.prepare(part.span.0, part.span.1)).transpose()?;
             let Some(prepared) = later.as_ref().or(self.first_sky.as_ref()) else { continue };
-            notices.warn(prepared.warnings.iter().filter(|warning| warned.insert((*warning).clone())));
-            without_position.extend(judge.judge(prepared, part, see, take)?);
+            notices.warn(prepared.warnings.iter().filter(|warning| is_printed(warning)));
+            without_position.extend(judge.judge(prepared, part, see, take)?.filter(|warning| is_printed(warning)));
         }
         let totals = judge.finish();
+        let omitted = texts.len() - kinds.len();
+        if omitted > 0 {
+            notices.warn(&[format!("{omitted} warnings of other nights, which differ in numbers, are not printed")]);
+        }
         notices.list_left_out(without_position, totals.left_out());
         notices.warn(&totals.warnings());
         Ok(totals)
