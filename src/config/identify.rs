@@ -10,7 +10,7 @@ use super::error::request;
 use super::required::STREAK;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s, parse_exposure_s};
 use crate::error::Error;
-use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_between};
+use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, parse_start, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
 use crate::input;
 use crate::passes::Exposure;
@@ -292,7 +292,7 @@ impl IdentifyConfig {
             given.clone().or(configured.as_ref().map(|value| value.as_str().to_owned()))
         };
         let scale = config.time_scale()?;
-        let start = given(&self.start, &config.exposure.start).map(|start| parse_moment(&start, scale)).transpose()?;
+        let start = given(&self.start, &config.exposure.start).map(|start| parse_start(&start, scale)).transpose()?;
         let duration_s =
             given(&self.exposure, &config.exposure.duration).map(|length| parse_exposure_s(&length)).transpose()?;
         #[cfg(all(feature = "fits", unix))]

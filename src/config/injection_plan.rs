@@ -14,7 +14,7 @@ use super::prepared::PreparedSky;
 use super::required::{INJECTED_STREAKS, SEEING};
 use super::values::{Numbers, parse_angle_deg, parse_exposure_s};
 use crate::error::Error;
-use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
+use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_start};
 use crate::images::{CountBasis, Detector, PsfFile, Telescope};
 use crate::input;
 use crate::passes::Exposure;
@@ -288,7 +288,7 @@ impl InjectionConfig {
             return Ok((Some(exposure.start), Some(exposure.duration_s)));
         }
         let scale = config.time_scale()?;
-        let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
+        let start = self.start.as_deref().map(|start| parse_start(start, scale)).transpose()?;
         let duration_s = self.exposure.as_deref().map(parse_exposure_s).transpose()?;
         Ok((start, duration_s))
     }

@@ -12,7 +12,7 @@ use super::measured_tables::{MeasuredTables, identify_listed};
 use super::required::FRAMES;
 use super::values::{parse_angle_deg, parse_exposure_s};
 use crate::error::Error;
-use crate::frames::{parse_moment, seconds_after};
+use crate::frames::{parse_start, seconds_after};
 use crate::geometry::Site;
 use crate::images::{Calibration, CountBasis, FrameFile};
 use crate::measure::{
@@ -268,7 +268,7 @@ impl MeasureConfig {
     /// Opens a frame; returns it and whether it has a zero point.
     pub(super) fn open(&self, path: &Path, config: &Config) -> Result<(TargetFrame, bool), Error> {
         let scale = config.time_scale()?;
-        let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
+        let start = self.start.as_deref().map(|start| parse_start(start, scale)).transpose()?;
         let duration_s = self.exposure.as_deref().map(parse_exposure_s).transpose()?;
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
             return Err(Error::invalid("gain", format_args!("{gain} e/count"), "above 0 e/count"));

@@ -12,7 +12,7 @@ use super::required::{EXPOSURE, FIELD, POINTING, START};
 use super::response_file::read_response;
 use super::values::{NameOrTable, in_range, parse_duration_s, parse_exposure_s, parse_size_deg, parse_time_scale};
 use crate::error::Error;
-use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_direction, parse_moment};
+use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_direction, parse_start};
 use crate::images::{FieldOfView, Telescope};
 use crate::passes::{Exposure, Field, Sky};
 use crate::photometry::{Band, Earthshine, MagSystem, PhotometryOptions};
@@ -212,7 +212,7 @@ impl Config {
         let ExposureConfig { start, duration, .. } = &self.exposure;
         if let Some(start) = start {
             // A flag may set another scale, which does not change the form.
-            parse_moment(start.as_str(), self.time_scale()?.or(Some(TimeScale::UTC)))?;
+            parse_start(start.as_str(), self.time_scale()?.or(Some(TimeScale::UTC)))?;
         }
         if let Some(duration) = duration {
             parse_exposure_s(duration.as_str())?;
@@ -323,7 +323,7 @@ impl Config {
     pub fn one_exposure(&self) -> Result<Exposure, Error> {
         let start = self.exposure.start.as_ref().ok_or_else(|| START.missing())?;
         let duration = self.exposure.duration.as_ref().ok_or_else(|| EXPOSURE.missing())?;
-        let start = parse_moment(start.as_str(), self.time_scale()?)?;
+        let start = parse_start(start.as_str(), self.time_scale()?)?;
         if !is_covered(start) {
             return Err(crate::passes::no_ephemeris(start.to_time_scale(TimeScale::UTC)));
         }

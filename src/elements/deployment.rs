@@ -1,11 +1,10 @@
 //! Simulated constellations that grow: from which night on which share of each is in orbit.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use hifitime::Epoch;
 use toml::value::Datetime;
 
-use super::element_set::NoradId;
 use super::shell::{Constellation, PeriodEntry, ShellFile, in_constellations};
 use crate::error::{Error, ErrorKind};
 use crate::message::Quoted;
@@ -57,8 +56,24 @@ impl Deployment {
     /// Combines bundled constellations and those of files, with catalogue numbers that follow one another.
     ///
     /// # Errors
-    /// There are too many satellites, or a bundled constellation is both in `bundled` and in a period of a file.
+    /// There are too many satellites, or constellations of two files, or a bundled one and one of a file, have the same
+    /// name.
     pub fn new(bundled: Vec<Constellation>, mut files: Vec<DeploymentFile>) -> Result<Self, Error> {
+        // Where each constellation is specified: the number of the file, from 1, or 0.
+        let by_name = bundled.iter().map(|constellation| (constellation.name.clone(), (0, "by name".to_owned())));
+        let mut places: HashMap<String, (usize, String)> = by_name.collect();
+        for (index, file) in files.iter().enumerate() {
+            let within = if file.periods.is_empty() { "in" } else { "in periods of" };
+            let here = (index + 1, format!("{within} {}", file.name));
+            let growing = file.periods.iter().flat_map(|period| &period.constellations);
+            for Constellation { name, .. } in file.constellations.iter().chain(growing) {
+                let there = places.insert(name.clone(), here.clone()).filter(|there| *there != here);
+                if let Some((_, there)) = there {
+                    let message = format!("constellation {name} is specified {there} and {}; allowed: once", here.1);
+                    return Err(in_constellations(message));
+                }
+            }
+        }
         Constellation::number_own(files.iter_mut().flat_map(|file| &mut file.constellations))?;
         let mut deployment = Self { always: bundled, growing: Vec::new() };
         for mut file in files {
@@ -72,20 +87,6 @@ impl Deployment {
                 }
             }
             deployment.growing.push(file);
-        }
-        // Where each constellation is specified.
-        let by_name = deployment.always.iter().map(|constellation| (constellation.first_id, "by name".to_owned()));
-        let mut places: BTreeMap<NoradId, String> = by_name.collect();
-        for file in &deployment.growing {
-            let here = format!("in periods of {}", file.name);
-            for constellation in file.periods.iter().flat_map(|period| &period.constellations) {
-                if let Some(other) = places.get(&constellation.first_id).filter(|other| **other != here) {
-                    let message =
-                        format!("constellation {} is specified {other} and {here}; allowed: once", constellation.name);
-                    return Err(in_constellations(message));
-                }
-                places.insert(constellation.first_id, here.clone());
-            }
         }
         Ok(deployment)
     }
@@ -282,6 +283,22 @@ mod tests {
         let files = ["one.toml", "two.toml"].map(|name| DeploymentFile::from_toml(period, name).unwrap());
         let message = Deployment::new(Vec::new(), files.to_vec()).unwrap_err().to_string();
         assert!(message.contains("in periods of one.toml and in periods of two.toml"), "{message}");
+        let own = "[[constellation]]\nname = 'oneweb'\n\
+                   shell = [{ altitude_km = 600, inclination_deg = 53, planes = 4, satellites_per_plane = 5 }]";
+        let own = DeploymentFile::from_toml(own, "own.toml").unwrap();
+        for (bundled, files, expected) in [
+            ("oneweb", vec![own.clone()], "oneweb is specified by name and in own.toml; allowed: once"),
+            (
+                "kuiper",
+                vec![own.clone(), own.clone()],
+                "oneweb is specified in own.toml and in own.toml; allowed: once",
+            ),
+            ("kuiper", vec![own, files[0].clone()], "oneweb is specified in own.toml and in periods of one.toml"),
+        ] {
+            let bundled = Constellation::by_name_or_set(bundled).unwrap();
+            let message = Deployment::new(bundled, files).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message}");
+        }
     }
 
     /// The totals that were reported for a rounding to whole planes of each shell, and others: 104 of 967 satellites of

@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch;
+use super::on_station::{DAY_MIN, semi_major_axis_km};
 use super::record::{Parsed, checked, excerpt};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::parse_five_characters;
@@ -43,6 +44,8 @@ pub(super) enum Keyword {
     TimeSystem,
     CenterName,
     DecayDate,
+    Period,
+    SemimajorAxis,
     TleLine1,
     TleLine2,
 }
@@ -82,6 +85,8 @@ impl Keyword {
             b"TIME_SYSTEM" => Self::TimeSystem,
             b"CENTER_NAME" => Self::CenterName,
             b"DECAY_DATE" | b"DECAYDATE" => Self::DecayDate,
+            b"PERIOD" => Self::Period,
+            b"SEMIMAJOR_AXIS" | b"SEMI_MAJOR_AXIS" => Self::SemimajorAxis,
             b"TLE_LINE1" | b"LINE1" | b"LINE_1" | b"TLE1" => Self::TleLine1,
             b"TLE_LINE2" | b"LINE2" | b"LINE_2" | b"TLE2" => Self::TleLine2,
             _ => return None,
@@ -103,6 +108,9 @@ impl Keyword {
         })
     }
 }
+
+/// Largest difference of the period and the semi-major axis from those of the mean motion, relative.
+const LARGEST_DISAGREEMENT: f64 = 0.01;
 
 /// Text values of one record, by keyword; keywords without text are absent.
 #[derive(Debug, Default)]
@@ -152,6 +160,17 @@ impl<'a> Fields<'a> {
         let describing =
             [Keyword::NoradCatId, Keyword::Epoch, Keyword::MeanMotion, Keyword::TleLine1, Keyword::TleLine2];
         describing.iter().any(|keyword| self.get(*keyword).is_some())
+    }
+
+    /// Returns the catalogue number and the name as far as the record has them, for error messages.
+    pub fn object(&self) -> String {
+        let text = |keyword| self.get(keyword).map(|text| Quoted::new(excerpt(text.as_bytes())));
+        match (text(Keyword::NoradCatId), text(Keyword::ObjectName)) {
+            (Some(number), Some(name)) => format!(", object {number}, {name}"),
+            (Some(number), None) => format!(", object {number}"),
+            (None, Some(name)) => format!(", {name}"),
+            (None, None) => String::new(),
+        }
     }
 
     /// Creates the element set, and adds it or the reason for its rejection to `parsed`.
@@ -213,7 +232,27 @@ impl<'a> Fields<'a> {
             decayed: self.decayed()?,
             origin: Origin::Published,
         };
-        checked(set)
+        let set = checked(set)?;
+        self.check_period(&set)?;
+        Ok(set)
+    }
+
+    /// Checks that the period, min, and the semi-major axis, km, of Space-Track agree with the mean motion.
+    fn check_period(&self, set: &ElementSet) -> Result<(), Error> {
+        let motion = set.mean_motion_rev_day;
+        for (keyword, field, expected) in [
+            (Keyword::Period, "PERIOD", DAY_MIN / motion),
+            (Keyword::SemimajorAxis, "SEMIMAJOR_AXIS", semi_major_axis_km(set)),
+        ] {
+            let value = self.get(keyword).and_then(|text| text.parse::<f64>().ok());
+            if let Some(value) = value.filter(|value| (value / expected - 1.0).abs() > LARGEST_DISAGREEMENT) {
+                return Err(Error::format(format!(
+                    "MEAN_MOTION is {motion} and {field} is {value}: they contradict each other; allowed: {field} within \
+                     1 % of {expected:.3}"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Returns the end of the day of DECAY_DATE.

@@ -10,11 +10,12 @@ use super::omm::{Fields, Keyword};
 use super::record::{Parsed, excerpt};
 use super::tle::Checksums;
 use crate::error::Error;
+use crate::message::Quoted;
 
 /// Reads every record, at any level of nesting.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     let mut scanner = Scanner { text, at: 0 };
-    let mut parsed = Parsed::default();
+    let (mut parsed, mut records) = (Parsed::default(), 0_usize);
     parsed.sets.reserve(text.len() / 500);
     // Open objects: offset in the text, and the values read so far.
     let mut open: Vec<(usize, Fields<'_>)> = Vec::new();
@@ -29,8 +30,20 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
                 if let Some((offset, fields)) = open.pop()
                     && fields.is_record()
                 {
+                    records += 1;
+                    let rejected_before = parsed.rejected.len();
                     fields.finish(offset, checksums, &mut parsed);
+                    // A line may have all records.
+                    for (_, reason) in &mut parsed.rejected[rejected_before..] {
+                        *reason = Error::format(format!("record {records}{}: {reason}", fields.object()));
+                    }
                 }
+            }
+            // The answer of a server that has no records to give.
+            Token::Member(key, value) if key.eq_ignore_ascii_case("error") => {
+                let offset = open.last().map_or(0, |(start, _)| *start);
+                let text = Quoted::new(excerpt(value.as_bytes()));
+                parsed.rejected.push((offset, Error::format(format!("error message instead of a record: {text}"))));
             }
             Token::Member(key, value) => {
                 if let (Some((_, fields)), Some(keyword)) = (open.last_mut(), Keyword::parse(&key)) {

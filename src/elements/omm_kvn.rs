@@ -16,7 +16,8 @@ pub(super) fn looks_like(text: &str) -> bool {
     text.split(['\n', '\r']).take(40).any(opens)
 }
 
-fn opens(line: &str) -> bool {
+/// Returns true for the first line of a message.
+pub(super) fn opens(line: &str) -> bool {
     line.trim_start().strip_prefix(OPENING).is_some_and(|rest| rest.trim_start().starts_with('='))
 }
 

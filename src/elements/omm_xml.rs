@@ -11,6 +11,7 @@ use quick_xml::events::Event;
 use super::omm::{Fields, Keyword};
 use super::record::{Parsed, excerpt, parse_in_chunks};
 use super::tle::Checksums;
+use super::tle_file::reject_elements;
 use crate::error::Error;
 
 /// Returns true if the text contains an `<omm>` element, with or without a name-space prefix.
@@ -29,11 +30,16 @@ fn parse_piece(text: &str, checksums: Checksums) -> Parsed {
     let mut start = next_start(text, 0);
     while let Some(offset) = start {
         let next = next_start(text, offset + 1);
-        match parse_message(&text[offset..next.unwrap_or(text.len())]) {
-            Ok(fields) if fields.is_empty() => {
-                parsed.rejected.push((offset, Error::format("this message contains no elements")));
+        let message = &text[offset..next.unwrap_or(text.len())];
+        match parse_message(message) {
+            Ok((fields, end)) => {
+                if fields.is_empty() {
+                    parsed.rejected.push((offset, Error::format("this message contains no elements")));
+                } else {
+                    fields.finish(offset, checksums, &mut parsed);
+                }
+                reject_elements(&message[end..], offset + end, &mut parsed);
             }
-            Ok(fields) => fields.finish(offset, checksums, &mut parsed),
             Err(what) => parsed.rejected.push((offset, Error::format(format!("invalid XML: {what}")))),
         }
         start = next;
@@ -70,8 +76,8 @@ fn is_prefix(text: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c))
 }
 
-/// Returns the values of one `<omm>` element; text after its end is ignored.
-fn parse_message(text: &str) -> Result<Fields<'_>, String> {
+/// Returns the values of one `<omm>` element, and the offset after its end.
+fn parse_message(text: &str) -> Result<(Fields<'_>, usize), String> {
     let mut reader = Reader::from_str(text);
     let mut fields = Fields::default();
     let mut keyword = None;
@@ -101,7 +107,7 @@ fn parse_message(text: &str) -> Result<Fields<'_>, String> {
             },
             Event::End(element) => {
                 if element.local_name().as_ref() == "omm" {
-                    return Ok(fields);
+                    return Ok((fields, reader.buffer_position() as usize));
                 }
                 if let Some(keyword) = keyword.take() {
                     fields.set(keyword, Cow::Owned(std::mem::take(&mut value)));

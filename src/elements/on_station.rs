@@ -19,7 +19,7 @@ const J2: f64 = 0.001_082_616;
 /// Fourth zonal harmonic of WGS72.
 const J4: f64 = -0.000_001_655_97;
 /// Minutes in a day.
-const DAY_MIN: f64 = 1440.0;
+pub(super) const DAY_MIN: f64 = 1440.0;
 
 /// Returns √μ in (earth radii)^1.5 per minute, the mean motion at one earth radius in rad/min.
 fn k_e() -> f64 {

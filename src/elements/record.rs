@@ -88,6 +88,19 @@ impl Parsed {
         }
     }
 
+    /// Joins the results of the parts of a text, each with its offset.
+    pub fn joined(parts: impl IntoIterator<Item = (usize, Self)>) -> Self {
+        let mut parts = parts.into_iter();
+        let mut whole = parts.next().map(|(_, first)| first).unwrap_or_default();
+        for (offset, part) in parts {
+            whole.sets.extend(part.sets);
+            whole.last_good_at = part.last_good_at.map(|at| at + offset).or(whole.last_good_at);
+            whole.rejected.extend(part.rejected.into_iter().map(|(at, reason)| (at + offset, reason)));
+            whole.bad_checksums_accepted += part.bad_checksums_accepted;
+        }
+        whole
+    }
+
     /// Returns true if the last record was rejected: the file may be truncated within it.
     pub fn is_cut_short(&self) -> bool {
         self.rejected.iter().map(|(offset, _)| *offset).max() > self.last_good_at
@@ -167,15 +180,7 @@ pub(super) fn parse_in_chunks<'a>(
     cuts.push(text.len());
     let parts: Vec<(usize, Parsed)> =
         cuts.par_windows(2).map(|cut| (cut[0], parse(text.get(cut[0]..cut[1]).unwrap_or_default()))).collect();
-    let mut parts = parts.into_iter();
-    let mut whole = parts.next().map(|(_, first)| first).unwrap_or_default();
-    for (offset, part) in parts {
-        whole.sets.extend(part.sets);
-        whole.last_good_at = part.last_good_at.map(|at| at + offset).or(whole.last_good_at);
-        whole.rejected.extend(part.rejected.into_iter().map(|(at, reason)| (at + offset, reason)));
-        whole.bad_checksums_accepted += part.bad_checksums_accepted;
-    }
-    whole
+    Parsed::joined(parts)
 }
 
 /// Returns the offset of the first line that begins at or after `from`.

@@ -157,27 +157,91 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
         let (sets, rejected) = (Vec::new(), Vec::new());
         Ok(Content { format, gzipped, sets, ephemerides, rejected, cut_short: false, bad_checksums_accepted: 0 })
     };
-    let mut parsed = match format {
+    match format {
         ElementFormat::ModifiedItc => return no_sets(ephemeris::parse_modified_itc(name, &text)),
         ElementFormat::OemKvn => return no_sets(ephemeris::parse_oem_kvn(&text)),
         ElementFormat::OemXml => return no_sets(ephemeris::parse_oem_xml(&text)),
-        ElementFormat::Tle => tle_file::parse(&text, checksums),
-        ElementFormat::OmmJson => omm_json::parse(&text, checksums),
-        ElementFormat::OmmCsv => omm_csv::parse(&text, checksums),
-        ElementFormat::OmmXml => omm_xml::parse(&text, checksums),
-        ElementFormat::OmmKvn => omm_kvn::parse(&text),
-    };
-    // A CCSDS navigation data message (NDM) may contain both OMM and OEM messages.
-    let has_ephemerides = format == ElementFormat::OmmXml && ephemeris::looks_like_oem_xml(&text);
-    let ephemerides = match has_ephemerides {
-        true => ephemeris::parse_oem_xml(&text).map_err(with_name)?,
-        false => Vec::new(),
-    };
+        _ => {}
+    }
+    let starts = starts_of_parts(&text, format);
+    let ends = starts.iter().skip(1).map(|(start, _)| *start).chain([text.len()]);
+    let mut ephemerides = Vec::new();
+    let mut parts = Vec::with_capacity(starts.len());
+    for ((start, format), end) in starts.iter().zip(ends) {
+        let part = &text[*start..end];
+        // A CCSDS navigation data message (NDM) may contain both OMM and OEM messages.
+        if *format == ElementFormat::OmmXml && ephemeris::looks_like_oem_xml(part) {
+            let lines_before = text[..*start].matches('\n').count();
+            let of_file = |problem: ephemeris::Problem| {
+                with_name(ephemeris::Problem { line: lines_before + problem.line, ..problem })
+            };
+            ephemerides.extend(ephemeris::parse_oem_xml(part).map_err(of_file)?);
+        }
+        let parsed = match format {
+            ElementFormat::OmmJson => omm_json::parse(part, checksums),
+            ElementFormat::OmmCsv => omm_csv::parse(part, checksums),
+            ElementFormat::OmmXml => omm_xml::parse(part, checksums),
+            ElementFormat::OmmKvn => omm_kvn::parse(part),
+            _ => tle_file::parse(part, checksums),
+        };
+        parts.push((*start, parsed));
+    }
+    let mut parsed = Parsed::joined(parts);
     parsed.rejected.sort_by_key(|(offset, _)| *offset);
     let cut_short = parsed.is_cut_short();
     let Parsed { sets, rejected, bad_checksums_accepted, .. } = parsed;
     let rejected = line_numbers(text.as_bytes(), rejected);
     Ok(Content { format, gzipped, sets, ephemerides, rejected, cut_short, bad_checksums_accepted })
+}
+
+/// Returns the offset and the format of each part of a text of several concatenated files. `first` is the format of the
+/// first line with content.
+fn starts_of_parts(text: &str, first: ElementFormat) -> Vec<(usize, ElementFormat)> {
+    let mut starts = vec![(0, first)];
+    // Millions of lines of TLEs are searched only for other forms.
+    if first == ElementFormat::Tle && !["MEAN_MOTION", "TLE_LINE1"].iter().any(|keyword| text.contains(keyword)) {
+        return starts;
+    }
+    let (mut at, mut before) = (0, None);
+    let mut current = first;
+    for line in text.split_inclusive(['\n', '\r']) {
+        let offset = at;
+        at += line.len();
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let found = format_started_by(line).unwrap_or(current);
+        // Tables with other titles have their own columns.
+        let has_titles = found == ElementFormat::OmmCsv && before.is_some() && omm_csv::looks_like(line);
+        if found != current || has_titles {
+            // The name of a satellite is in the line before.
+            let name = before.filter(|(_, line): &(usize, &str)| !line.contains(['<', '>', '{', '}', '=', ',', '"']));
+            let name = name.filter(|(_, line)| found == ElementFormat::Tle && *line != "]");
+            starts.push((name.map_or(offset, |(name_at, _)| name_at), found));
+            current = found;
+        }
+        before = Some((offset, line));
+    }
+    starts
+}
+
+/// Returns the format of which a line is the first; `None` for the following lines of JSON and other lines.
+fn format_started_by(line: &str) -> Option<ElementFormat> {
+    match line.as_bytes() {
+        [b'<', ..] if line.starts_with("<?xml") || line.starts_with("<ndm") || omm_xml::looks_like(line) => {
+            Some(ElementFormat::OmmXml)
+        }
+        [b'{' | b'[', rest @ ..] => {
+            matches!(rest.trim_ascii_start(), [] | [b'{' | b'[' | b'"', ..]).then_some(ElementFormat::OmmJson)
+        }
+        [b'1', b' ', ..] if !line.contains([',', ';', '\t']) => {
+            tle_file::looks_like(line).then_some(ElementFormat::Tle)
+        }
+        _ if omm_kvn::opens(line) => Some(ElementFormat::OmmKvn),
+        _ if line.contains("MEAN_MOTION") && omm_csv::looks_like(line) => Some(ElementFormat::OmmCsv),
+        _ => None,
+    }
 }
 
 /// Converts increasing byte offsets to line numbers, which start at 1.

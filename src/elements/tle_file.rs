@@ -17,8 +17,8 @@ const DATA_LENGTH: usize = 60;
 /// Parses two-line, three-line and "0 NAME" sets, also mixed.
 ///
 /// Blank lines and lines that begin with `#` are skipped, and blanks before a data line are ignored. Text of two or
-/// more lines after a name, before the first or after the last set (bulletins) is skipped. A line 1 or 2 without its
-/// partner is rejected, and parsing continues with the next line.
+/// more lines after a name, before the first or after the last set (bulletins) is skipped, except for lines with
+/// elements in another form. A line 1 or 2 without its partner is rejected, and parsing continues with the next line.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parse_in_chunks(text, after_next_set, |piece| parse_piece(piece.as_bytes(), checksums))
 }
@@ -87,26 +87,80 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
 /// Returns the name line before a data line, and removes all lines. Two lines are a name and a line that may be a
 /// damaged part of an element set; more lines are a text, such as the head of a bulletin.
 fn name_in<'a>(texts: &mut Vec<Placed<'a>>, parsed: &mut Parsed) -> &'a [u8] {
-    let name = texts.pop().map_or(&[][..], |(_, line)| line);
+    let is_name = |(_, line): &mut Placed| line.len() < DATA_LENGTH || elements_in(line).is_none();
+    let name = texts.pop_if(is_name).map_or(&[][..], |(_, line)| line);
     let is_alone = texts.len() == 1;
     reject_fragments(texts, is_alone, parsed);
     texts.clear();
     name
 }
 
-/// Rejects lines that are parts of element sets by their first characters, or the only line.
+/// Rejects lines that are parts of element sets by their first characters or contain elements, or the only line.
 fn reject_fragments(texts: &[Placed<'_>], is_alone: bool, parsed: &mut Parsed) {
     let is_part = |line: &[u8]| {
         (line.starts_with(b"1 ") || line.starts_with(b"2 ")) && line.get(2).is_some_and(u8::is_ascii_digit)
     };
-    for (offset, line) in texts.iter().filter(|(_, line)| is_part(line) || (is_alone && !ends_bulletin(line))) {
-        parsed.rejected.push((
-            *offset,
-            Error::format(format!(
-                "unexpected line {:?}: neither part nor name of an element set",
-                Quoted::new(excerpt(line))
-            )),
-        ));
+    let mut before = None;
+    for (offset, line) in texts {
+        let found = elements_in(line);
+        // The two lines of a set are one record.
+        let is_second = (before, found) == (Some(Elements::First), Some(Elements::Second));
+        if is_part(line) || (found.is_some() && !is_second) || (is_alone && !ends_bulletin(line)) {
+            parsed.rejected.push((*offset, unexpected(line)));
+        }
+        before = found;
+    }
+}
+
+fn unexpected(line: &[u8]) -> Error {
+    let line = Quoted::new(excerpt(line));
+    Error::format(format!("unexpected line {line:?}: neither part nor name of an element set"))
+}
+
+/// Rejects the lines of a text between messages that contain elements; `offset` is that of the text.
+pub(super) fn reject_elements(text: &str, offset: usize, parsed: &mut Parsed) {
+    let lines = Lines { text: text.as_bytes(), at: 0 };
+    let texts: Vec<Placed> = lines.map(|(at, line)| (offset + at, line)).collect();
+    reject_fragments(&texts, false, parsed);
+}
+
+/// What a line that is not read contains.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Elements {
+    /// Numbers of line 1, at any place of the line.
+    First,
+    /// Numbers of line 2.
+    Second,
+    /// Elements of a table, or a keyword that is once in each message.
+    Message,
+}
+
+/// Returns the kind of elements in a line of any form, such as quoted or numbered lines of a TLE; `None` for a text.
+fn elements_in(line: &[u8]) -> Option<Elements> {
+    let line = String::from_utf8_lossy(line);
+    // The keyword is also the start of MEAN_MOTION_DOT.
+    let is_keyword = |keyword| line.split(keyword).skip(1).any(|rest| !rest.starts_with('_'));
+    if ["MEAN_MOTION", "TLE_LINE1", "CCSDS_OEM_VERS"].into_iter().any(is_keyword) {
+        return Some(Elements::Message);
+    }
+    let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let words = || line.split(|c: char| c.is_whitespace() || ",;|\"'<>\u{fffd}".contains(c));
+    let is_decimal = |word: &str| word.split_once('.').is_some_and(|(_, digits)| is_digits(digits));
+    let is_epoch = |word: &str| is_decimal(word) && word.find('.') == Some(5) && word.len() >= 12;
+    // Such as 10370-3.
+    let is_exponential = |word: &str| {
+        let parts = word.trim_start_matches(['+', '-']).split_once(['+', '-']);
+        parts.is_some_and(|(digits, power)| digits.len() == 5 && is_digits(digits) && is_digits(power))
+    };
+    let is_date = |word: &str| matches!(word.as_bytes(), [_, _, _, _, b'-', _, _, b'-', _, _, ..]);
+    if words().any(is_epoch) && words().any(is_exponential) {
+        Some(Elements::First)
+    } else if words().filter(|word| is_decimal(word)).count() < 5 {
+        None
+    } else if words().any(|word| word.len() == 7 && is_digits(word)) {
+        Some(Elements::Second)
+    } else {
+        words().any(is_date).then_some(Elements::Message)
     }
 }
 

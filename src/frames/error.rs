@@ -8,6 +8,11 @@ pub(super) fn not_a_time(given: &str) -> Error {
     Error::malformed("time", given, "ISO 8601, for example 2024-08-14T00:30:00.000Z")
 }
 
+/// The text is a date without a time of day.
+pub(super) fn without_time_of_day(given: &str) -> Error {
+    Error::malformed("time", given, "a date with the time of day, for example 2024-08-14T00:30:00.000Z")
+}
+
 /// A second 60 is given for a minute without a leap second.
 pub(super) fn no_leap_second(given: &str) -> Error {
     Error::malformed("time", given, "second 60 only where a leap second was inserted")

@@ -29,6 +29,26 @@ pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Error
     }
 }
 
+/// Parses the start of an exposure: a moment with the time of day.
+///
+/// # Errors
+/// The errors of [`parse_moment`], and a date without a time.
+pub fn parse_start(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Error> {
+    let start = parse_moment(text, scale)?;
+    if text.trim().parse::<f64>().is_err() {
+        check_time_of_day(text)?;
+    }
+    Ok(start)
+}
+
+/// Checks that a valid ISO 8601 text is not a date alone, which would be read as midnight.
+///
+/// # Errors
+/// It has no time of day.
+pub fn check_time_of_day(text: &str) -> Result<(), Error> {
+    if text.trim().contains(['T', 't', ' ']) { Ok(()) } else { Err(error::without_time_of_day(text)) }
+}
+
 /// Parses an ISO 8601 time such as `2024-08-14T00:30:00.000Z`. A blank may replace the `T`, and an offset such as
 /// `+02:00` the `Z`; seconds and their fraction are optional.
 ///

@@ -46,7 +46,7 @@ pub use self::{
     deep_sky::deep_sky_object,
     earth_orientation::{EarthOrientationParameters, EopStatus},
     equatorial::{annual_aberration, gcrs_to_of_date, without_annual_aberration},
-    instant::{is_covered, parse_moment},
+    instant::{check_time_of_day, is_covered, parse_moment, parse_start},
     time::{epoch_from_jd, ut1_jd, utc_jd},
     vector::OfDate,
 };

@@ -109,6 +109,7 @@ mod tests {
             time_scale: TimeScale::UTC,
             comments_like_rows: 0,
             other_ends: None,
+            warnings_of_file: Vec::new(),
         }
     }
 

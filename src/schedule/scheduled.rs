@@ -16,8 +16,8 @@ use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{
-    Direction, FIRST_YEAR, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant, seconds_after,
-    seconds_between,
+    Direction, FIRST_YEAR, LAST_YEAR, check_time_of_day, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
+    seconds_after, seconds_between,
 };
 use crate::input::comments_warning;
 use crate::output::{counted, format_utc};
@@ -68,6 +68,8 @@ pub struct Schedule {
     /// Number of exposures for which a column has another end than start and duration, and the values of the first of
     /// them.
     pub(super) other_ends: Option<(usize, String)>,
+    /// Warnings about the content of the file.
+    pub(super) warnings_of_file: Vec<String>,
 }
 
 impl Schedule {
@@ -102,7 +104,7 @@ impl Schedule {
     /// Returns warnings about the schedule and its limits.
     #[doc(hidden)]
     pub fn warnings(&self, policy: &Policy) -> Vec<String> {
-        let mut warnings = Vec::new();
+        let mut warnings = self.warnings_of_file.clone();
         if self.format == ScheduleFormat::Opsim && self.time_scale != TimeScale::UTC {
             warnings.push(format!(
                 "opsim databases have {} in UTC, but it is read as {}: crossings are those of other times unless the file was converted",
@@ -179,7 +181,7 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
     let checks = Checks::find(path, &table, &read, map.snaps.filter(|_| map.is_sum))?;
     let other_starts = with_scales(&table, start_columns(&table.names).filter(|column| *column != map.start), None);
     let ends = with_scales(&table, end_columns(&table.names), Some(scale).filter(|_| map.start.scale.is_none()));
-    let mut other_ends = None;
+    let (mut other_ends, mut most_decimals) = (None, None);
     let exposures = table
         .rows
         .iter()
@@ -188,6 +190,9 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
             let mut scheduled = scheduled_exposure(row, &cells, &map, &scales, scale, options);
             if let (Ok(cells), Ok(exposure)) = (cells.as_ref(), &scheduled.exposure) {
                 let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
+                if map.start.form != StartForm::Iso {
+                    most_decimals = most_decimals.max(cell(map.start.index).text().map(|text| decimals(&text)));
+                }
                 if let Some((end, stated)) = contradiction(cell, exposure, &map.start, &ends, Moment::End) {
                     let (count, _) = other_ends.get_or_insert_with(|| (0, format!("{end} (used) and {stated}")));
                     *count += 1;
@@ -204,7 +209,32 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         .collect();
     let comments_like_rows = table.comments_like_rows;
     let start_column = map.start.name;
-    Ok(Schedule { format: table.format, exposures, start_column, time_scale: scale, comments_like_rows, other_ends })
+    let mut warnings_of_file = table.warnings;
+    let step_s = most_decimals.map(|decimals| scales.start * DAY_S * 10f64.powi(-decimals));
+    if let (Some(decimals), Some(step_s)) = (most_decimals, step_s.filter(|step_s| *step_s > LARGEST_STEP_S)) {
+        warnings_of_file.push(format!(
+            "{start_column} has at most {}, so that starts are in steps of {step_s:.0} s, in which satellites in low orbits \
+             move by up to 1 deg/s; allowed: 6 decimals of a day or more",
+            counted(decimals as usize, "decimal", "decimals")
+        ));
+    }
+    Ok(Schedule {
+        format: table.format,
+        exposures,
+        start_column,
+        time_scale: scale,
+        comments_like_rows,
+        other_ends,
+        warnings_of_file,
+    })
+}
+
+/// Largest step of start times that is not a rounding, s. Five decimals of a day have a step of 0.9 s.
+const LARGEST_STEP_S: f64 = 1.0;
+
+/// Returns the number of decimals of a number as text.
+fn decimals(text: &str) -> i32 {
+    text.split_once('.').map_or(0, |(_, digits)| digits.len().min(12) as i32)
 }
 
 /// Adds the time scales to columns of times; those without a stated scale have the scale `default`, or are left out.
@@ -259,10 +289,7 @@ fn contradiction<'a>(
             Some((_, time)) if time.split(['+', '-']).next().is_some_and(|time| time.matches(':').count() < 2) => 60.0,
             Some(_) => 0.0,
         },
-        Cell::Text(text) => {
-            let digits = text.split_once('.').map_or(0, |(_, digits)| digits.len());
-            DAY_S * 10f64.powi(-(digits.min(12) as i32))
-        }
+        Cell::Text(text) => DAY_S * 10f64.powi(-decimals(text)),
         _ => 0.0,
     };
     for (column, scale) in others {
@@ -390,6 +417,11 @@ fn exposure<'a>(
         }
     };
     let start = start_of(&cell(map.start.index).scaled(scales.start), &map.start, scale)?;
+    if let Cell::Text(text) = cell(map.start.index)
+        && map.start.form == StartForm::Iso
+    {
+        check_time_of_day(text).map_err(|error| format!("start {error}"))?;
+    }
     let mut duration_s = number(map.duration, scales.duration, "duration", f64::MIN..=f64::MAX)?;
     if !(duration_s > 0.0 && duration_s <= LONGEST_EXPOSURE_S) {
         return Err(format!("duration is {duration_s}; allowed: above 0 to {LONGEST_EXPOSURE_S}"));

@@ -37,6 +37,8 @@ pub struct TargetList {
     pub targets: Vec<ListedTarget>,
     /// Number of comments in CSV and ECSV that have as many cells as a row.
     pub comments_like_rows: usize,
+    /// Warnings about the content of the file.
+    pub warnings: Vec<String>,
 }
 
 /// Reads a target list (CSV, ECSV, JSON and the other formats of schedules).
@@ -116,7 +118,11 @@ fn read(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> Result<Targe
         let target = target.map(|exposure| WindowTarget { exposure, band: cell(band).text() });
         ListedTarget { unique_id: cell(unique_id).text().unwrap_or_else(|| name.clone()), name, target }
     });
-    Ok(TargetList { targets: listed.collect(), comments_like_rows: table.comments_like_rows })
+    Ok(TargetList {
+        targets: listed.collect(),
+        comments_like_rows: table.comments_like_rows,
+        warnings: table.warnings.clone(),
+    })
 }
 
 /// Cells of a target in degrees and seconds.

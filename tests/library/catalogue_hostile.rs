@@ -71,8 +71,8 @@ fn verif_broken_messages_do_not_affect_others() {
     assert_eq!(
         words,
         [
-            "eccentricity 1.5 is out of range: allowed 0 to below 1",
-            "MEAN_MOTION is missing",
+            "record 2, object 90001, SAMPLE & SON: eccentricity 1.5 is out of range: allowed 0 to below 1",
+            "record 3, object 90001, SAMPLE & SON: MEAN_MOTION is missing",
             "invalid JSON: unexpected \"oops\", expected a key, a value or a bracket",
             "invalid JSON: the file ends inside this object",
         ]
@@ -259,6 +259,87 @@ fn texts_around_element_sets_are_no_damaged_records() {
         let catalogue = read(format!("GOOD\n{LINE1}\n{LINE2}\n{end}").as_bytes()).unwrap();
         assert!(catalogue.sources[0].cut_short, "{end}");
     }
+}
+
+/// Concatenated files of other formats are read; elements in a form that is not read are counted with their lines.
+#[test]
+fn no_satellite_of_a_concatenated_file_is_lost() {
+    let forms = ["sample.3le", "sample.csv", "sample.json", "sample.xml", "sample.kvn"];
+    let text_of = |name: &str| String::from_utf8(sample(name)).unwrap();
+    for first in forms {
+        for second in forms.iter().filter(|second| **second != first) {
+            let other = match *second {
+                "sample.3le" => format!("SECOND\n{}", pair(90002, "079.52426840")),
+                name => text_of(name).replace("90001", "90002"),
+            };
+            let catalogue = read(format!("{}\n{other}", text_of(first)).as_bytes()).unwrap();
+            let ids: Vec<_> = catalogue.element_sets.iter().map(|set| set.norad_id.0).collect();
+            assert_eq!((ids, reasons(&catalogue)), (vec![90001, 90002], vec![]), "{first} {second}");
+            let name = catalogue.element_sets[1].name.as_ref();
+            assert_eq!(name, if *second == "sample.3le" { "SECOND" } else { "SAMPLE & SON" }, "{first} {second}");
+        }
+    }
+    // Tables with other titles, and one object per line.
+    let csv = text_of("sample.csv");
+    let lines = format!("NORAD_CAT_ID,LINE1,LINE2\n7,{LINE1},{LINE2}\n");
+    assert_eq!(read(format!("{lines}{}", csv.replace("90001", "90002")).as_bytes()).unwrap().element_sets.len(), 2);
+    let object = text_of("sample.json").replace('\n', " ").replace("90001", "90002");
+    let object = object.trim().trim_start_matches('[').trim_end_matches(']');
+    let mixed = format!("GOOD\n{LINE1}\n{LINE2}\n{object}\n{}\n", object.replace("90002", "90003"));
+    assert_eq!(read(mixed.as_bytes()).unwrap().element_sets.len(), 3);
+
+    let three = format!("NEXT\n{}OTHER\n{}", pair(90002, "079.52426840"), pair(90003, "079.52426840"));
+    let row = csv.lines().nth(1).unwrap();
+    let each = |form: fn(&str) -> String| three.lines().map(form).collect::<Vec<_>>().join("\n");
+    for (what, text) in [
+        ("quoted", each(|line| format!("> {line}"))),
+        ("in quotation marks", each(|line| format!("\"{line}\""))),
+        ("numbered", each(|line| format!("17: {line}"))),
+        ("named", each(|line| format!("L1: {line}"))),
+        ("with no-break spaces", three.replace(' ', "\u{a0}")),
+        ("without line numbers", each(|line| line.trim_start_matches(['1', '2']).trim().to_owned())),
+        ("in one line", three.replace("\n1 ", ",1 ").replace("\n2 ", ",2 ")),
+        ("table without titles", format!("{row}\n{row}")),
+        ("quoted messages", text_of("sample.kvn").repeat(2).lines().map(|line| format!("> {line}\n")).collect()),
+    ] {
+        let catalogue = read(format!("GOOD\n{LINE1}\n{LINE2}\n{text}\n").as_bytes()).unwrap();
+        assert_eq!(
+            (catalogue.element_sets.len(), catalogue.rejected.len()),
+            (1, 2),
+            "{what}: {:?}",
+            reasons(&catalogue)
+        );
+        assert!(catalogue.rejected.iter().all(|rejected| rejected.reason.to_string().starts_with("unexpected line")));
+        let before = read(format!("{text}\nGOOD\n{LINE1}\n{LINE2}\n").as_bytes()).unwrap();
+        assert_eq!((&*before.element_sets[0].name, before.rejected.len()), ("GOOD", 2), "{what}");
+    }
+    let quoted = format!("{}\n{}", text_of("sample.xml"), each(|line| format!("> {line}")));
+    let catalogue = read(quoted.as_bytes()).unwrap();
+    let lines: Vec<usize> = catalogue.rejected.iter().map(|rejected| rejected.line).collect();
+    let of_xml = quoted.split("> NEXT").next().unwrap().matches('\n').count();
+    assert_eq!((catalogue.element_sets.len(), lines), (1, vec![of_xml + 2, of_xml + 5]));
+}
+
+/// The answer of a server without records, and records whose period or size contradicts the mean motion.
+#[test]
+fn errors_of_servers_and_contradictory_messages_are_named() {
+    let error = |text: &str| read(text.as_bytes()).unwrap_err().to_string();
+    let answer = error("[{\"error\":\"You've violated your query rate limit.\"}]");
+    assert!(answer.contains("error message instead of a record: You've violated your query rate limit."), "{answer}");
+    let json = String::from_utf8(sample("sample.json")).unwrap();
+    let with = |cards: &str| json.replace("\"EPOCH\"", &format!("{cards}, \"EPOCH\""));
+    // 1440 min / 15.06394766 = 95.592 min.
+    for (cards, is_read) in [
+        ("\"PERIOD\": 95.592, \"SEMIMAJOR_AXIS\": 6925.0", true),
+        ("\"PERIOD\": null, \"SEMIMAJOR_AXIS\": \"\"", true),
+        ("\"PERIOD\": 97.0", false),
+        ("\"SEMIMAJOR_AXIS\": \"7378.0\"", false),
+    ] {
+        assert_eq!(read(with(cards).as_bytes()).is_ok(), is_read, "{cards}");
+    }
+    let reason = error(&with("\"PERIOD\": 1436.1"));
+    let expected = "MEAN_MOTION is 15.06394766 and PERIOD is 1436.1: they contradict each other; allowed: PERIOD within 1 % of 95.592";
+    assert!(reason.contains(expected), "{reason}");
 }
 
 /// Epochs that can be read in two ways, and satellites that are known to have decayed.

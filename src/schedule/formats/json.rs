@@ -90,6 +90,25 @@ fn raw_rows<'a>(path: &Path, text: &'a str) -> Result<(Option<Object<'a>>, Vec<&
     if rows.len() > MOST_ROWS {
         return Err(error::too_many_rows(path, MOST_ROWS));
     }
+    if let (Some(object), Some(first)) = (&document, rows.first()) {
+        let keys_of = |row: &RawValue| -> Result<Option<Vec<String>>, Error> {
+            let members = object_of(path, text, row)?;
+            Ok(members.map(|members| members.0.into_iter().map(|(key, _)| key).collect()))
+        };
+        let keys = keys_of(first)?;
+        for (name, value) in &object.0 {
+            if std::ptr::eq(*value, array) || !value.get().starts_with('[') {
+                continue;
+            }
+            let other: Vec<&RawValue> =
+                serde_json::from_str(value.get()).map_err(|error| bad_at(path, text, value, &error))?;
+            let Some(first) = other.first() else { continue };
+            if ARRAYS.contains(&&**name) || (keys.is_some() && keys_of(first)? == keys) {
+                let what = format!("JSON with {} more rows in the array '{}'", other.len(), Quoted::new(name));
+                return Err(format(path, &what).allowing("one array of rows; split the file"));
+            }
+        }
+    }
     Ok((document, rows))
 }
 
@@ -230,6 +249,24 @@ fn cell(raw: &str, value: &Value) -> Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_second_array_of_rows_is_an_error() {
+        let read = |text: &str| read(Path::new("t.json"), text);
+        for (text, name) in [
+            (
+                r#"{"exposures": [{"ra_deg": 1}], "targets": [{"ra": 2}, {"ra": 3}]}"#,
+                "2 more rows in the array 'targets'",
+            ),
+            (r#"{"targets": [{"ra": 2}], "exposures": [{"ra_deg": 1}]}"#, "1 more rows in the array 'targets'"),
+            (r#"{"exposures": [{"ra_deg": 1}], "more": [{"ra_deg": 2}]}"#, "1 more rows in the array 'more'"),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains("allowed: one array of rows"), "{error}");
+        }
+        let text = r#"{"exposures": [{"ra_deg": 1}], "targets": [], "streaks": [{"mag": 2}], "tags": [1], "n": 3}"#;
+        assert_eq!(read(text).unwrap().rows.iter().count(), 1);
+    }
 
     #[test]
     fn integers_keep_all_digits() {

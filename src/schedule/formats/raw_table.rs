@@ -63,6 +63,8 @@ pub(in crate::schedule) struct RawTable {
     pub single_precision: BTreeSet<String>,
     /// Number of comments in CSV and ECSV that have as many cells as a row.
     pub comments_like_rows: usize,
+    /// Warnings about the content of the file.
+    pub warnings: Vec<String>,
 }
 
 impl RawTable {
@@ -77,6 +79,7 @@ impl RawTable {
             rejected: BTreeMap::new(),
             single_precision: BTreeSet::new(),
             comments_like_rows: 0,
+            warnings: Vec::new(),
         }
     }
 

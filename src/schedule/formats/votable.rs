@@ -9,7 +9,7 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 
 use super::super::error;
-use super::columns::{Cell, ScheduleFormat, ScheduleRow};
+use super::columns::{Cell, ColumnMap, ScheduleFormat, ScheduleRow};
 use super::csv_text::cells;
 use super::raw_table::{RawTable, Rows};
 use crate::elements::excerpt;
@@ -67,6 +67,10 @@ pub(in crate::schedule) struct VoTableLayout {
     /// Names and elements of all other tables that have a name.
     pub others: Vec<(String, Span)>,
     attributes: Vec<FieldAttributes>,
+    /// Field names of each other table.
+    names_of_others: Vec<Vec<String>>,
+    /// True if the server states that it sent only a part of the rows.
+    is_part: bool,
     time_systems: HashMap<String, TimeScale>,
     /// What systems of times or coordinates are, and what is allowed, if they cannot be used.
     rejected_systems: HashMap<String, String>,
@@ -92,6 +96,8 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
         table: Span::default(),
         others: Vec::new(),
         attributes: Vec::new(),
+        names_of_others: Vec::new(),
+        is_part: false,
         time_systems: HashMap::new(),
         rejected_systems: HashMap::new(),
     };
@@ -116,6 +122,9 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                         tables += 1;
                         table = Span { after: last_end, start: before, end: now };
                         table_name = attribute(&element, "name");
+                        if tables > 1 {
+                            layout.names_of_others.push(Vec::new());
+                        }
                     }
                     "FIELD" if tables == 1 => {
                         field = Span { after: last_end, start: before, end: now };
@@ -128,6 +137,10 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                         cell = Span { after: last_end, start: before, end: now };
                         (in_cell, value) = (true, String::new());
                     }
+                    "FIELD" => layout.names_of_others.last_mut().into_iter().for_each(|names| {
+                        names.push(field_attributes(&element).name);
+                    }),
+                    "INFO" => layout.is_part |= states_a_part(&element),
                     "TIMESYS" => layout.note_time_system(&element),
                     "COOSYS" => layout.note_coordinate_system(&element),
                     "BINARY" | "BINARY2" | "FITS" if tables == 1 => {
@@ -153,6 +166,10 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                             fact.null = Some(null);
                         }
                     }
+                    "FIELD" => layout.names_of_others.last_mut().into_iter().for_each(|names| {
+                        names.push(field_attributes(&element).name);
+                    }),
+                    "INFO" => layout.is_part |= states_a_part(&element),
                     "TIMESYS" => layout.note_time_system(&element),
                     "COOSYS" => layout.note_coordinate_system(&element),
                     _ => {}
@@ -210,6 +227,12 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
         return Err(fail("VOTable without a table"));
     }
     layout.names = layout.attributes.iter().map(|fact| fact.name.clone()).collect();
+    let is_schedule = |names: &Vec<String>| *names == layout.names || ColumnMap::find(path, names).is_ok();
+    let others = layout.names_of_others.iter().filter(|names| is_schedule(names)).count();
+    if others > 0 {
+        let what = format!("VOTable with {} tables of exposures", others + 1);
+        return Err(error::format(path, what).allowing("one table of exposures; split the file"));
+    }
     Ok(layout)
 }
 
@@ -292,7 +315,20 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, Error> {
         }
     }
     table.rows = Rows::Cells(rows);
+    if layout.is_part {
+        table.warnings.push(format!(
+            "the server states that its answer was cut (QUERY_STATUS OVERFLOW): the other exposures after the {} of the \
+             file are unknown",
+            layout.rows.len()
+        ));
+    }
     Ok(table)
+}
+
+/// Returns true for an `INFO` with which a server of the Virtual Observatory states that it cut its answer.
+fn states_a_part(info: &BytesStart<'_>) -> bool {
+    let is = |name, text: &str| attribute(info, name).is_some_and(|value| value.eq_ignore_ascii_case(text));
+    is("name", "QUERY_STATUS") && is("value", "OVERFLOW")
 }
 
 fn field_attributes(element: &BytesStart<'_>) -> FieldAttributes {
@@ -362,6 +398,27 @@ mod tests {
             let problem = read(path, &TEXT.replace(old, system)).unwrap().rejected.remove("start_mjd");
             assert_eq!(problem.is_some(), expected.is_some(), "{system}: {problem:?}");
             assert!(problem.unwrap_or_default().contains(expected.unwrap_or_default()), "{system}");
+        }
+        assert!(read(path, TEXT).unwrap().warnings.is_empty());
+        for info in [
+            "<INFO name=\"QUERY_STATUS\" value=\"OVERFLOW\"/>",
+            "<INFO name='QUERY_STATUS' value='overflow'>limit</INFO>",
+        ] {
+            let cut = TEXT.replace("</RESOURCE>", &format!("{info}</RESOURCE>"));
+            assert!(read(path, &cut).unwrap().warnings[0].contains("after the 2 of the file are unknown"), "{info}");
+        }
+        // Two tables of a resource, two resources, and two documents.
+        let first = &TEXT[TEXT.find("<TABLE>").unwrap()..TEXT.find("<TABLE name").unwrap()];
+        let schedule = ["exposure_id", "start_utc", "exposure_s", "ra_deg", "dec_deg"];
+        let schedule: String = schedule.iter().map(|name| format!("<FIELD name=\"{name}\"></FIELD>")).collect();
+        for text in [
+            TEXT.replace(first, &first.repeat(2)),
+            TEXT.replace("</RESOURCE>", &format!("</RESOURCE><RESOURCE>{first}</RESOURCE>")),
+            TEXT.repeat(2),
+            TEXT.replace("</RESOURCE>", &format!("<TABLE>{schedule}</TABLE></RESOURCE>")),
+        ] {
+            let error = read(path, &text).unwrap_err().to_string();
+            assert!(error.contains("VOTable with 2 tables of exposures; allowed: one table"), "{error}");
         }
         let binary = TEXT.replace("TABLEDATA", "BINARY2");
         assert!(read(path, &binary).unwrap_err().to_string().contains("than TABLEDATA"));

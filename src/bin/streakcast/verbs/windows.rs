@@ -140,6 +140,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         (Some(path), _) => {
             let list = read_targets(path, duration_s, plan.rotation_rad)?;
             notices.warn(comments_warning(list.comments_like_rows).as_slice());
+            notices.warn(&list.warnings);
             (list.targets, path.display().to_string())
         }
         (None, Some((pointing, duration_s))) => {

@@ -5,7 +5,7 @@ use serde_json::json;
 use streakcast::config::Config;
 use streakcast::config::parse_duration_s;
 use streakcast::elements::NoradId;
-use streakcast::frames::{mjd_utc, parse_moment, seconds_after};
+use streakcast::frames::{mjd_utc, parse_start, seconds_after};
 use streakcast::output::{Column, Kind, Table, Value, format_utc};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, TrackPoint};
 use streakcast::plot::{LightCurve, Picture, light_curve};
@@ -70,7 +70,7 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
             }
             picture(&columns, typed.limit_mag, clock.as_ref(), title)?
         } else {
-            let start = typed.exposure.start.as_ref().map(|start| parse_moment(start.as_str(), scale)).transpose()?;
+            let start = typed.exposure.start.as_ref().map(|start| parse_start(start.as_str(), scale)).transpose()?;
             let (curve, remark) = curve_of_forecast(&columns, typed.norad, start.map(mjd_utc))?;
             remark.iter().for_each(|remark| notices.info(remark));
             of_forecast(&columns, curve, typed.limit_mag, clock.as_ref(), title)?
