@@ -72,6 +72,11 @@ fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, Error> {
     if next - here > second { Ok(here + second) } else { Err(missing()) }
 }
 
+/// Returns true for a text that ends in `Z` or an offset from UTC, whether or not the time is valid.
+pub(crate) fn has_zone(text: &str) -> bool {
+    split_zone(text.trim()).is_ok_and(|(_, offset_minutes)| offset_minutes.is_some())
+}
+
 /// Returns the text without `Z` or offset, and the offset in minutes; `None` without a zone.
 fn split_zone(text: &str) -> Result<(&str, Option<i32>), Error> {
     if let Some(body) = text.strip_suffix(['Z', 'z']) {
@@ -87,8 +92,12 @@ fn split_zone(text: &str) -> Result<(&str, Option<i32>), Error> {
     }
     let hours: i32 = digits[..2].parse().map_err(|_| not_a_time())?;
     let minutes: i32 = if digits.len() == 4 { digits[2..].parse().map_err(|_| not_a_time())? } else { 0 };
-    let offset = hours * 60 + minutes;
-    Ok((&text[..sign_at], Some(if text.as_bytes()[sign_at] == b'-' { -offset } else { offset })))
+    let sign = if text.as_bytes()[sign_at] == b'-' { -1 } else { 1 };
+    let offset_minutes = sign * (hours * 60 + minutes);
+    if minutes > 59 || !(-12 * 60..=14 * 60).contains(&offset_minutes) {
+        return Err(error::no_offset(text, &text[sign_at..]));
+    }
+    Ok((&text[..sign_at], Some(offset_minutes)))
 }
 
 struct Calendar {

@@ -43,12 +43,17 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     read_at_most(file, LARGEST_INPUT)
 }
 
-/// Reads a text file in UTF-8 of at most [`LARGEST_INPUT`] bytes.
+/// Reads a text file in UTF-8 of at most [`LARGEST_INPUT`] bytes, without its byte order mark.
 ///
 /// # Errors
 /// The errors of [`read`], and invalid UTF-8, with its line.
 pub fn read_to_string(path: &Path) -> io::Result<String> {
-    text_of(read(path)?)
+    text_of(read(path)?).map(without_mark)
+}
+
+/// Returns a text without the byte order mark with which some programs begin it.
+pub fn without_mark(text: String) -> String {
+    text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)
 }
 
 /// Returns the text of a file.

@@ -39,9 +39,16 @@ const COUNTS: &[&str] = &[
     "nexposures",
     "numexposures",
     "numberofexposures",
+    "exposures",
     "exposurecount",
+    "count",
     "nsubexp",
     "nsubexposures",
+    "subexposures",
+    "nsubs",
+    "subs",
+    "nsubframes",
+    "subframes",
     "snaps",
     "nsnaps",
     "numsnaps",
@@ -56,7 +63,7 @@ const COUNTS: &[&str] = &[
     "ndit",
 ];
 /// Those that are also names of columns of text, such as kinds of frames.
-const ALSO_TEXTS: &[&str] = &["frames", "repeat", "repeats", "snaps"];
+const ALSO_TEXTS: &[&str] = &["exposures", "frames", "repeat", "repeats", "snaps", "subs"];
 /// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by less
 /// than 0.1 arcsec. Other texts may be the numbers, names or types of frames.
 const OTHER_FRAMES: &[&str] = &[
@@ -262,6 +269,7 @@ mod tests {
             ("nexp", ""),
             ("exposure_count", "1"),
             ("repeats", "0"),
+            ("count", "1"),
             ("frames", "Light"),
             ("airmass", "1.2"),
         ] {
@@ -289,6 +297,9 @@ mod tests {
             ("numExposures", "2", "numExposures is 2; allowed: 1"),
             ("exposure_count", "2", "exposure_count is 2; allowed: 1"),
             ("NDIT", "10", "NDIT is 10; allowed: 1"),
+            ("count", "20", "count is 20; allowed: 1"),
+            ("exposures", "20", "exposures is 20; allowed: 1"),
+            ("Subs", "20", "Subs is 20; allowed: 1"),
             ("number_of_exposures", "3", "number_of_exposures is 3; allowed: 1"),
         ] {
             let reason = with(name, text).unwrap_or_default();
