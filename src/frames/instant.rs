@@ -197,6 +197,18 @@ mod tests {
     }
 
     #[test]
+    fn offsets_are_those_of_clocks() {
+        for text in ["2024-08-14T14:30+14:00", "2024-08-13T12:30-12:00"] {
+            assert_eq!(parse_instant(text, None).unwrap(), at(0, 30, 0, 0), "{text}");
+        }
+        for offset in ["+14:30", "-12:01", "+99", "+01:60"] {
+            let message = parse_instant(&format!("2024-08-14T00:30{offset}"), None).unwrap_err().to_string();
+            let expected = format!("offset {offset} from UTC is out of range; allowed: -12:00 to +14:00");
+            assert!(message.ends_with(&expected), "{message}");
+        }
+    }
+
+    #[test]
     fn scales_differ_by_their_seconds() {
         let in_scale = |scale| parse_instant("2024-08-14T00:30:00.000", Some(scale)).unwrap();
         assert_eq!(in_scale(TimeScale::UTC), at(0, 30, 0, 0));

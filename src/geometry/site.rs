@@ -420,6 +420,9 @@ mod tests {
         }
         assert_eq!(Site::from_mpc(" i41 ").expect("ZTF").name, "Palomar ZTF");
         assert_eq!(Site::by_name("ZTF/Palomar").expect("ZTF").name, "Palomar ZTF");
+        for name in ["Ondřejov", "ONDŘEJOV", "Ondr\u{30c}ejov"] {
+            assert_eq!(Site::by_name(name).expect(name).name, "Ondrejov");
+        }
         for code in ["X05", "W84", "I41", "F51", "F52", "T05", "T08", "M22", "W68", "658", "568", "950"] {
             assert_eq!(Site::from_mpc(code).expect(code).mpc_code.as_deref(), Some(code));
         }

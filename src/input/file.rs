@@ -287,6 +287,16 @@ mod tests {
     }
 
     #[test]
+    fn texts_have_no_byte_order_mark() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        for (bytes, text) in [("\u{feff}a,b", "a,b"), ("a\u{feff}", "a\u{feff}"), ("", "")] {
+            fs::write(&path, bytes).unwrap();
+            assert_eq!(read_to_string(&path).unwrap(), text);
+        }
+    }
+
+    #[test]
     fn verif_endless_readers_are_cut_off() {
         assert_eq!(read_at_most(io::repeat(0).take(1000), 1000).unwrap().len(), 1000);
         let error = read_at_most(io::repeat(0), 1000).unwrap_err();

@@ -511,6 +511,16 @@ mod tests {
         // Cells may be aligned by several blanks.
         let row = "2026-08-14T23:36:25  5.5   45.0  120.0 550.0";
         let stated = ["mag", "deg", "deg", "km"];
+        let epoch = |time: &str| {
+            let records = read(stated, "utc", &row.replacen("2026-08-14T23:36:25", time, 1)).unwrap();
+            records.first().and_then(|record| record.epoch)
+        };
+        let utc = epoch("2026-08-14T23:36:25");
+        assert!(utc.is_some());
+        for time in ["2026-08-14T23:36:25.000+00:00", "2026-08-15T01:36:25+02:00", "2026-08-14T18:06:25-0530"] {
+            assert_eq!(epoch(time), utc, "{time}");
+        }
+        assert_eq!(epoch("2026-08-14T23:36:25+25:00"), None);
         assert_eq!(read(stated, "utc", row).unwrap()[0].magnitude, Magnitude(5.5));
         for (units, scale, expected) in [
             (["s", "deg", "deg", "km"], "utc", "column mag is in 's'; allowed: mag"),
