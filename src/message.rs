@@ -97,6 +97,71 @@ pub fn known_step_s(sigma_s: f64) -> f64 {
     [1.0, 10.0, 60.0].into_iter().find(least).unwrap_or(600.0)
 }
 
+/// Letters and symbols, each with its substitute in ASCII.
+const ASCII_SUBSTITUTES: &[(&str, &str)] = &[
+    ("ÀÁÂÃÄÅĀĂĄ", "A"),
+    ("àáâãäåāăą", "a"),
+    ("Æ", "AE"),
+    ("æ", "ae"),
+    ("ÇĆČĊ", "C"),
+    ("çćčċ", "c"),
+    ("ĎĐÐ", "D"),
+    ("ďđð", "d"),
+    ("ÈÉÊËĒĖĘĚ", "E"),
+    ("èéêëēėęě", "e"),
+    ("ĞĢĠ", "G"),
+    ("ğģġ", "g"),
+    ("ÌÍÎÏĪĮİ", "I"),
+    ("ìíîïīįı", "i"),
+    ("Ķ", "K"),
+    ("ķ", "k"),
+    ("ŁĽĻĹ", "L"),
+    ("łľļĺ", "l"),
+    ("ÑŃŇŅ", "N"),
+    ("ñńňņ", "n"),
+    ("ÒÓÔÕÖØŌŐ", "O"),
+    ("òóôõöøōő", "o"),
+    ("Œ", "OE"),
+    ("œ", "oe"),
+    ("ŘŔ", "R"),
+    ("řŕ", "r"),
+    ("ŚŠŞȘ", "S"),
+    ("śšşș", "s"),
+    ("ß", "ss"),
+    ("ŤŢȚ", "T"),
+    ("ťţț", "t"),
+    ("Þ", "Th"),
+    ("þ", "th"),
+    ("ÙÚÛÜŪŮŰŲ", "U"),
+    ("ùúûüūůűų", "u"),
+    ("ŴẀẂẄ", "W"),
+    ("ŵẁẃẅ", "w"),
+    ("ÝŸŶ", "Y"),
+    ("ýÿŷ", "y"),
+    ("ŹŻŽ", "Z"),
+    ("źżž", "z"),
+    ("‘’ʻʼ", "'"),
+    ("“”", "\""),
+    ("‐‑–—−", "-"),
+    ("°", "deg"),
+    ("…", "..."),
+    ("\u{a0}\u{202f}", " "),
+];
+
+/// Returns a text without accents, with `?` for other characters beyond ASCII.
+pub(crate) fn in_ascii(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            ' '..='~' => plain.push(c),
+            // Combining accents.
+            '\u{300}'..='\u{36f}' => {}
+            _ => plain += ASCII_SUBSTITUTES.iter().find(|(kin, _)| kin.contains(c)).map_or("?", |(_, ascii)| ascii),
+        }
+    }
+    plain
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -158,7 +158,7 @@ mod tests {
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("times.txt");
-        std::fs::write(&path, "# times\n2026-08-14T00:00:00Z\n\nnever\n").unwrap();
+        std::fs::write(&path, "\u{feff}# times\n2026-08-14T00:00:00Z\n\nnever\n").unwrap();
         let message = resolve(&format!(r#"{{"times_file": "{}"}}"#, path.display())).unwrap_err().to_string();
         assert!(message.contains("times.txt, line 4: "), "{message}");
     }

@@ -22,7 +22,7 @@ use crate::output::{Provenance, Table, counted};
 use crate::streaks::{
     ChosenPlanes, FrameMask, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, PlaneChoice,
     StreakOrigin, TargetFrame, UnusedReason, corridor_table, left_out_table, mask_frame, mask_history,
-    missing_zero_point, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
+    is_same_file_name, missing_zero_point, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
 };
 use crate::watch::Watch;
 
@@ -183,8 +183,8 @@ impl MaskConfig {
         ) else {
             return Err(FRAMES.missing());
         };
-        let measured = config.measured.iter().map(|path| read_measured_streaks(path)).collect::<Result<Vec<_>, _>>()?;
-        let measured: Vec<MeasuredStreak> = measured.concat();
+        let tables = config.measured.iter().map(|path| read_measured_streaks(path)).collect::<Result<Vec<_>, _>>()?;
+        let measured: Vec<MeasuredStreak> = tables.iter().flat_map(|table| table.streaks.iter().cloned()).collect();
         let (config, remark) = with_site(config, &frames)?;
         let shared_sky: Arc<PreparedSky> = match sky {
             Some(sky) => sky(first)?,
@@ -235,6 +235,20 @@ impl MaskConfig {
         if not_used > 0 {
             let streaks = counted(not_used, "measured streak is", "measured streaks are");
             warnings.push(format!("{streaks} of other frames"));
+        }
+        for (path, table) in config.measured.iter().zip(&tables) {
+            let of_frames = table.without_satellite.iter().filter(|[image, _]| {
+                done.iter().any(|masked| is_same_file_name(image, masked.frame.file.path()))
+            });
+            let names: Vec<String> = of_frames.map(|[_, name]| name.clone()).collect();
+            if !names.is_empty() {
+                warnings.push(format!(
+                    "{}: {} without a norad_id and therefore not masked: {}; complete norad_id (identify names candidates)",
+                    path.display(),
+                    counted(names.len(), "measured streak is", "measured streaks are"),
+                    first_of(&names)
+                ));
+            }
         }
         let mut provenance = shared_sky.provenance.clone();
         config.state_scales(&mut provenance, &config.photometry()?);

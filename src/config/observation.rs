@@ -392,6 +392,8 @@ mod tests {
         {
             assert!(message(size(text)).contains("fov"), "{text}");
         }
+        let of_part = message(size("1deg@530"));
+        assert!(of_part.starts_with("fov '1deg@530': fov is 530, without a unit; allowed"), "{of_part}");
     }
 
     #[test]

@@ -15,6 +15,7 @@ use crate::constants::LONGEST_EXPOSURE_S;
 use crate::elements::Generation;
 use crate::error::{Error, ErrorKind};
 use crate::images::Telescope;
+use crate::message::Quoted;
 use crate::schedule::Policy;
 
 /// Text of a quantity: a number with a unit, a time or an angle. A number in a document is converted to text.
@@ -307,6 +308,16 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
 /// # Errors
 /// Same as [`parse_angle_deg`], for each angle and length.
 pub fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), Error> {
+    let size_deg = parse_parts_deg(what, text);
+    // Errors of a part name the whole value too.
+    if text.contains(['@', 'x', '×']) {
+        size_deg.map_err(|error| error.at(format_args!("{what} '{}'", Quoted::new(text))))
+    } else {
+        size_deg
+    }
+}
+
+fn parse_parts_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), Error> {
     if let Some((sensor, focal_length)) = text.split_once('@') {
         let focal_mm = parse_length_mm(what, focal_length)?;
         return Ok(match width_and_height(sensor, |length| parse_length_mm(what, length))? {

@@ -370,7 +370,7 @@ pub fn light_curve_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>) -> Tab
 }
 
 const READABLE_COLUMNS: [Column; 21] = [
-    Column::new("date", Kind::Text, "Local date at the start of the visible part."),
+    Column::new("date", Kind::Text, "Local date of the brightest visible point, or of the start if no magnitude is known."),
     Column::new("satellite", Kind::Text, "Name of the satellite."),
     Column::real("magnitude", "mag", 1, "Magnitude at the brightest point."),
     Column::real("sigma", "mag", 1, "One sigma of the magnitude."),
@@ -441,8 +441,9 @@ fn readable_cells(row: &PassRow<'_>, utc_offset_s: &impl Fn(Epoch) -> f64) -> Ve
         ]
     };
     let light = row.peak().and_then(|peak| peak.brightness.as_ref());
-    let first = begin.unwrap_or(highest).epoch;
-    let date = format_utc(seconds_after(first, utc_offset_s(first)), 0).chars().take(10).collect::<String>();
+    // The date is beside the time of the brightest point, which may be after midnight.
+    let dated = row.peak().or(begin).unwrap_or(highest).epoch;
+    let date = format_utc(seconds_after(dated, utc_offset_s(dated)), 0).chars().take(10).collect::<String>();
     let mut cells: Vec<Value> = vec![
         date.into(),
         row.name().into(),

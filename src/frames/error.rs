@@ -18,6 +18,13 @@ pub(super) fn no_leap_second(given: &str) -> Error {
     Error::malformed("time", given, "second 60 only where a leap second was inserted")
 }
 
+/// No clock has this offset from UTC.
+pub(super) fn no_offset(given: &str, offset: &str) -> Error {
+    let [given, offset] = [given, offset].map(Quoted::new);
+    Error::new(ErrorKind::Invalid, format!("invalid time '{given}': offset {offset} from UTC is out of range"))
+        .allowing("-12:00 to +14:00")
+}
+
 /// The time has no scale.
 pub(super) fn no_scale(given: &str) -> Error {
     let given = Quoted::new(given);

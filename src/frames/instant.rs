@@ -92,6 +92,11 @@ fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, Error> {
     if next - here > second { Ok(here + second) } else { Err(missing()) }
 }
 
+/// Returns true for a text that ends in `Z` or an offset from UTC, whether or not the time is valid.
+pub(crate) fn has_zone(text: &str) -> bool {
+    split_zone(text.trim()).is_ok_and(|(_, offset_minutes)| offset_minutes.is_some())
+}
+
 /// Returns the text without `Z` or offset, and the offset in minutes; `None` without a zone.
 fn split_zone(text: &str) -> Result<(&str, Option<i32>), Error> {
     if let Some(body) = text.strip_suffix(['Z', 'z']) {
@@ -107,8 +112,12 @@ fn split_zone(text: &str) -> Result<(&str, Option<i32>), Error> {
     }
     let hours: i32 = digits[..2].parse().map_err(|_| not_a_time())?;
     let minutes: i32 = if digits.len() == 4 { digits[2..].parse().map_err(|_| not_a_time())? } else { 0 };
-    let offset = hours * 60 + minutes;
-    Ok((&text[..sign_at], Some(if text.as_bytes()[sign_at] == b'-' { -offset } else { offset })))
+    let sign = if text.as_bytes()[sign_at] == b'-' { -1 } else { 1 };
+    let offset_minutes = sign * (hours * 60 + minutes);
+    if minutes > 59 || !(-12 * 60..=14 * 60).contains(&offset_minutes) {
+        return Err(error::no_offset(text, &text[sign_at..]));
+    }
+    Ok((&text[..sign_at], Some(offset_minutes)))
 }
 
 struct Calendar {
@@ -205,6 +214,18 @@ mod tests {
             assert_eq!(parse_instant(text, None).unwrap(), at(0, 30, 0, 0), "{text}");
         }
         assert_eq!(parse_instant("2024-08-14Z", None).unwrap(), at(0, 0, 0, 0));
+    }
+
+    #[test]
+    fn offsets_are_those_of_clocks() {
+        for text in ["2024-08-14T14:30+14:00", "2024-08-13T12:30-12:00"] {
+            assert_eq!(parse_instant(text, None).unwrap(), at(0, 30, 0, 0), "{text}");
+        }
+        for offset in ["+14:30", "-12:01", "+99", "+01:60"] {
+            let message = parse_instant(&format!("2024-08-14T00:30{offset}"), None).unwrap_err().to_string();
+            let expected = format!("offset {offset} from UTC is out of range; allowed: -12:00 to +14:00");
+            assert!(message.ends_with(&expected), "{message}");
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorKind};
 use crate::frames::{
     Gcrs, Horizontal, Itrs, Orientation, OrientationTable, Position, Rotation, Velocity, itrs_to_horizontal,
 };
-use crate::message::Quoted;
+use crate::message::{Quoted, in_ascii};
 
 /// Table of sites. Fields: `name;aliases separated by |;MPC code;latitude;longitude;height`. The head of the file lists
 /// the sources.
@@ -103,8 +103,8 @@ impl Site {
         Self::new_deg(name, latitude_rad.to_degrees(), y_m.atan2(x_m).to_degrees(), height_m)
     }
 
-    /// Returns a site of the bundled table by one of its names or its MPC code; case, blanks, hyphens and other
-    /// punctuation are ignored.
+    /// Returns a site of the bundled table by one of its names or its MPC code; case, accents, blanks, hyphens
+    /// and other punctuation are ignored.
     ///
     /// # Errors
     /// A name that is unknown, where the error lists similar names, if any; or the name of a network of telescopes at
@@ -220,7 +220,7 @@ fn read_entry(line: &str) -> Option<Entry> {
 }
 
 fn key_of(name: &str) -> String {
-    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+    in_ascii(name).chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 /// Returns true if the first words of a name, but not all of its words, are the key.
@@ -420,6 +420,9 @@ mod tests {
         }
         assert_eq!(Site::from_mpc(" i41 ").expect("ZTF").name, "Palomar ZTF");
         assert_eq!(Site::by_name("ZTF/Palomar").expect("ZTF").name, "Palomar ZTF");
+        for name in ["Ondřejov", "ONDŘEJOV", "Ondr\u{30c}ejov"] {
+            assert_eq!(Site::by_name(name).expect(name).name, "Ondrejov");
+        }
         for code in ["X05", "W84", "I41", "F51", "F52", "T05", "T08", "M22", "W68", "658", "568", "950"] {
             assert_eq!(Site::from_mpc(code).expect(code).mpc_code.as_deref(), Some(code));
         }

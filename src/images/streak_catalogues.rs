@@ -45,7 +45,7 @@ pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
         let (text, lines) = fits(path)?;
         (text, Some(lines))
     } else {
-        (input::text_of(bytes).map_err(Error::io(path))?, None)
+        (input::text_of(bytes).map(input::without_mark).map_err(Error::io(path))?, None)
     };
     if text.starts_with("# Region file format: DS9") {
         return Ok(StreakText { text: ds9(path, &text)?, lines_before_rows });

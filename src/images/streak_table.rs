@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use super::pixels::PixelPosition;
 use super::streak_catalogues::{self, StreakText};
 use crate::error::Error;
-use crate::frames::{Direction, Gcrs};
+use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 use crate::input::{Column, TableRow, TableRows, comments_warning};
 use crate::message::{Quoted, listed};
-use crate::units::{DEGREES, PIXELS, Unit};
+use crate::units::{DEGREES, PIXELS, Unit, is_right_ascension};
 
 /// Ends of a streak.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -260,9 +260,18 @@ impl StreakRow<'_> {
         if let Some(error) = self.cells.contradiction(column) {
             return Err(self.origin().of(error));
         }
-        match self.cells.number(column) {
+        let sexagesimal = if is_right_ascension(name) {
+            Some((parse_right_ascension_deg as fn(&str) -> Result<f64, Error>, "12h34m56s"))
+        } else {
+            name.starts_with("dec").then_some((parse_declination_deg as _, "-30d30m15s"))
+        };
+        let angle_deg = || sexagesimal.and_then(|(parse, _)| parse(text).ok());
+        match self.cells.number(column).or_else(angle_deg) {
             Some(number) if (least..=most).contains(&number) => Ok(Some(number)),
-            _ => Err(self.invalid(name, text, format!("{least} to {most}"))),
+            _ => {
+                let or = sexagesimal.map_or_else(String::new, |(_, example)| format!(", or text such as {example}"));
+                Err(self.invalid(name, text, format!("{least} to {most}{or}")))
+            }
         }
     }
 

@@ -43,12 +43,17 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     read_at_most(file, LARGEST_INPUT)
 }
 
-/// Reads a text file in UTF-8 of at most [`LARGEST_INPUT`] bytes.
+/// Reads a text file in UTF-8 of at most [`LARGEST_INPUT`] bytes, without its byte order mark.
 ///
 /// # Errors
 /// The errors of [`read`], and invalid UTF-8, with its line.
 pub fn read_to_string(path: &Path) -> io::Result<String> {
-    text_of(read(path)?)
+    text_of(read(path)?).map(without_mark)
+}
+
+/// Returns a text without the byte order mark with which some programs begin it.
+pub fn without_mark(text: String) -> String {
+    text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text)
 }
 
 /// Returns the text of a file.
@@ -279,6 +284,16 @@ mod tests {
         fs::write(&path, b"a,b\n1,2\nM\xfcnchen,3\n").unwrap();
         let error = read_to_string(&path).unwrap_err().to_string();
         assert!(error.starts_with("invalid UTF-8 in line 3 (byte 9); convert"), "{error}");
+    }
+
+    #[test]
+    fn texts_have_no_byte_order_mark() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        for (bytes, text) in [("\u{feff}a,b", "a,b"), ("a\u{feff}", "a\u{feff}"), ("", "")] {
+            fs::write(&path, bytes).unwrap();
+            assert_eq!(read_to_string(&path).unwrap(), text);
+        }
     }
 
     #[test]

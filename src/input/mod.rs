@@ -8,7 +8,7 @@ mod table;
 pub(crate) use ecsv::blank_record;
 pub use ecsv::{Ecsv, LineError, TimeColumn, is_ecsv};
 pub use file::{
-    LARGEST_INPUT, check_regular, check_size, is_stream, json_error, open, read, read_at_most, read_to_string, text_of,
+    LARGEST_INPUT, check_regular, check_size, is_stream, json_error, open, read, read_at_most, read_to_string, text_of, without_mark,
     toml_error, toml_line,
 };
 pub use table::{

@@ -11,6 +11,7 @@ use std::path::Path;
 use crate::error::{Error, ErrorKind};
 use crate::images::{Card, CardValue, Cells, TableColumn, write_table};
 use crate::math::healpix::cell_count;
+use crate::message::in_ascii;
 use crate::output::ScratchFolder;
 
 use super::body::BodyMap;
@@ -130,61 +131,10 @@ const LONGEST: usize = 68;
 /// End of a truncated text.
 const TRUNCATED: &str = "...";
 
-/// Letters and symbols, each with its substitute in ASCII.
-const ASCII_SUBSTITUTES: &[(&str, &str)] = &[
-    ("ÀÁÂÃÄÅĀĂĄ", "A"),
-    ("àáâãäåāăą", "a"),
-    ("Æ", "AE"),
-    ("æ", "ae"),
-    ("ÇĆČĊ", "C"),
-    ("çćčċ", "c"),
-    ("ĎĐÐ", "D"),
-    ("ďđð", "d"),
-    ("ÈÉÊËĒĖĘĚ", "E"),
-    ("èéêëēėęě", "e"),
-    ("ĞĢĠ", "G"),
-    ("ğģġ", "g"),
-    ("ÌÍÎÏĪĮİ", "I"),
-    ("ìíîïīįı", "i"),
-    ("Ķ", "K"),
-    ("ķ", "k"),
-    ("ŁĽĻĹ", "L"),
-    ("łľļĺ", "l"),
-    ("ÑŃŇŅ", "N"),
-    ("ñńňņ", "n"),
-    ("ÒÓÔÕÖØŌŐ", "O"),
-    ("òóôõöøōő", "o"),
-    ("Œ", "OE"),
-    ("œ", "oe"),
-    ("ŘŔ", "R"),
-    ("řŕ", "r"),
-    ("ŚŠŞȘ", "S"),
-    ("śšşș", "s"),
-    ("ß", "ss"),
-    ("ŤŢȚ", "T"),
-    ("ťţț", "t"),
-    ("Þ", "Th"),
-    ("þ", "th"),
-    ("ÙÚÛÜŪŮŰŲ", "U"),
-    ("ùúûüūůűų", "u"),
-    ("ŴẀẂẄ", "W"),
-    ("ŵẁẃẅ", "w"),
-    ("ÝŸŶ", "Y"),
-    ("ýÿŷ", "y"),
-    ("ŹŻŽ", "Z"),
-    ("źżž", "z"),
-    ("‘’ʻʼ", "'"),
-    ("“”", "\""),
-    ("‐‑–—−", "-"),
-    ("°", "deg"),
-    ("…", "..."),
-    ("\u{a0}\u{202f}", " "),
-];
-
 /// Returns text for a header card: without accents, with `?` for other non-ASCII characters, and with three dots at the
 /// end if it had to be truncated.
 fn card_text(text: &str) -> String {
-    let plain: String = text.chars().map(|c| in_ascii(c).unwrap_or_else(|| c.to_string())).collect();
+    let plain = in_ascii(text);
     let width = |c: char| if c == '\'' { 2 } else { 1 };
     if plain.chars().map(width).sum::<usize>() <= LONGEST {
         return plain;
@@ -197,16 +147,6 @@ fn card_text(text: &str) -> String {
     let mut cut: String = plain.chars().take_while(fits).collect();
     cut.push_str(TRUNCATED);
     cut
-}
-
-/// Returns the ASCII substitute for a character; `None` if the character is ASCII.
-fn in_ascii(c: char) -> Option<String> {
-    let is_combining_mark = ('\u{300}'..='\u{36f}').contains(&c);
-    match c {
-        ' '..='~' => None,
-        _ if is_combining_mark => Some(String::new()),
-        _ => Some(ASCII_SUBSTITUTES.iter().find(|(kin, _)| kin.contains(c)).map_or("?", |(_, ascii)| ascii).to_owned()),
-    }
 }
 
 #[cfg(test)]

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use hifitime::Epoch;
+use hifitime::{Epoch, TimeScale};
 
-use crate::elements::{NoradId, parse_iso};
+use crate::elements::NoradId;
 use crate::error::Error;
-use crate::frames::seconds_between;
+use crate::frames::{parse_instant, seconds_between};
 use crate::geometry::ViewingGeometry;
 use crate::input::TableRows;
 use crate::photometry::{Brightness, Magnitude, PassUpdate};
@@ -68,7 +68,7 @@ pub fn read_measured(path: &Path) -> Result<Vec<MeasuredMagnitude>, Error> {
         let wrong_time = || failed(row.wrong(time, "a time in UTC, such as 2026-08-14T23:36:25Z"));
         measured.push(MeasuredMagnitude {
             norad_id: NoradId(row.parsed(id, "a catalogue number").map_err(failed)?),
-            epoch: parse_iso(row.text(time)).ok_or_else(wrong_time)?,
+            epoch: parse_instant(row.text(time), Some(TimeScale::UTC)).map_err(|_| wrong_time())?,
             magnitude: Magnitude(row.number_in(magnitude, MAGNITUDE_RANGE).map_err(failed)?),
             // An empty cell is an unknown error, not an error of 0.
             sigma_mag: row.number_in(sigma, [0.0, 10.0]).map_err(failed)?,

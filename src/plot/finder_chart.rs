@@ -63,6 +63,8 @@ struct Moment {
     mjd: f64,
     /// Events of the pass, separated by commas; empty for a row at a round time.
     event: String,
+    /// Step to which the time is rounded, seconds.
+    step_s: f64,
     altitude_deg: f64,
     azimuth_deg: f64,
     magnitude: f64,
@@ -114,7 +116,7 @@ pub fn finder_chart(input: &FinderChart<'_>) -> Result<Picture, Error> {
     if let Some(field) = &field {
         field.draw_names(&mut picture, &mut labels, &DISK, &STARS);
     }
-    let bottom = draw_table(&mut picture, &moments(track, ahead_days, step_s), ahead_days, step_s);
+    let bottom = draw_table(&mut picture, &moments(track, ahead_days, step_s), ahead_days);
     let clock_name = input.local.as_ref().map_or("UTC", |clock| &clock.name);
     let mut caption = format!(
         "Zenith in the middle, horizon at the rim, north up, east left: hold the chart overhead. Times: {clock_name}, "
@@ -123,6 +125,10 @@ pub fn finder_chart(input: &FinderChart<'_>) -> Result<Picture, Error> {
         true => format!("known to {} (one sigma). ", seconds(track.time_sigma_s)),
         false => "of unknown error. ".to_owned(),
     };
+    let interval_s = track.longest_interval_s();
+    if known_step_s(interval_s) > step_s {
+        caption += &format!("Events between start and end: within {} (the step of the light curve). ", seconds(interval_s));
+    }
     if track.magnitude.iter().any(|magnitude| !magnitude.is_finite()) {
         caption += "Dashed: not visible. ";
     }
@@ -165,7 +171,7 @@ fn moments(track: &SkyTrack, ahead_days: f64, step_s: f64) -> Vec<Moment> {
         // Events at the same point have one row.
         match rows.iter_mut().find(|row| row.mjd == track.time_mjd[point]) {
             Some(row) => row.event += &format!(", {event}"),
-            None => rows.push(track.moment(track.time_mjd[point], event.to_owned())),
+            None => rows.push(track.moment(track.time_mjd[point], event.to_owned(), track.event_step_s(point))),
         }
     };
     add(0, "start");
@@ -191,7 +197,7 @@ fn moments(track: &SkyTrack, ahead_days: f64, step_s: f64) -> Vec<Moment> {
     for round in count(first).ceil() as i64..=count(last).floor() as i64 {
         let mjd = round as f64 * step_days - ahead_days;
         if (first..=last).contains(&mjd) && events.iter().all(|event| (event - mjd).abs() > 0.25 * step_days) {
-            rows.push(track.moment(mjd, String::new()));
+            rows.push(track.moment(mjd, String::new(), step_s));
         }
     }
     rows.sort_by(|a, b| a.mjd.total_cmp(&b.mjd));
@@ -200,7 +206,7 @@ fn moments(track: &SkyTrack, ahead_days: f64, step_s: f64) -> Vec<Moment> {
 
 impl SkyTrack {
     /// Returns the position at a time between the first and the last point, interpolated along a great circle.
-    fn moment(&self, mjd: f64, event: String) -> Moment {
+    fn moment(&self, mjd: f64, event: String, step_s: f64) -> Moment {
         let step = self.time_mjd.windows(2).position(|pair| mjd <= pair[1]).unwrap_or(self.time_mjd.len() - 2);
         let share = (mjd - self.time_mjd[step]) / (self.time_mjd[step + 1] - self.time_mjd[step]);
         let between = |column: &[f64]| match share {
@@ -219,6 +225,7 @@ impl SkyTrack {
         Moment {
             mjd,
             event,
+            step_s,
             altitude_deg: up.atan2(east.hypot(north)).to_degrees(),
             azimuth_deg: east.atan2(north).to_degrees().rem_euclid(360.0),
             magnitude: between(&self.magnitude),
@@ -228,7 +235,7 @@ impl SkyTrack {
 }
 
 /// Draws the table; returns the y position below it.
-fn draw_table(picture: &mut Picture, rows: &[Moment], ahead_days: f64, step_s: f64) -> f64 {
+fn draw_table(picture: &mut Picture, rows: &[Moment], ahead_days: f64) -> f64 {
     for (heading, x) in COLUMNS {
         picture.text(heading, (x, TABLE_TOP), ROW_SIZE, HPos::Left);
     }
@@ -241,7 +248,7 @@ fn draw_table(picture: &mut Picture, rows: &[Moment], ahead_days: f64, step_s: f
         let azimuth = format!("{:.0}° {}", row.azimuth_deg.round() % 360.0, compass(row.azimuth_deg.to_radians()));
         let magnitude = magnitude_text(row.magnitude, row.sigma_mag);
         let magnitude = if row.magnitude.is_finite() { magnitude } else { "not visible".to_owned() };
-        let time = clock(row.mjd + ahead_days, step_s);
+        let time = clock(row.mjd + ahead_days, row.step_s);
         let altitude = format!("{:.0}°", row.altitude_deg.max(0.0));
         for (text, (_, x)) in [&time, &row.event, &altitude, &azimuth, &magnitude].into_iter().zip(COLUMNS) {
             picture.text(text, (x, y), ROW_SIZE, HPos::Left);

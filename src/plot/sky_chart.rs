@@ -15,6 +15,7 @@ use super::time_axis::LocalClock;
 use super::tracks::{
     MOST_LISTED, arrow, by_brightness, clock, list, magnitude_text, minutes_along, numbers, without_numbers,
 };
+use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::geometry::Site;
 use crate::message::known_step_s;
@@ -74,8 +75,8 @@ pub struct SkyTrack {
     /// Uncertainties (one sigma) of the magnitudes, mag; NaN if unknown; shape `(n_point)`.
     pub sigma_mag: Vec<f64>,
     /// One sigma of all times of the pass, seconds; NaN if unknown. Times are written to 1 s, 10 s, 1 min or 10 min,
-    /// whichever is
-    /// next above it, and to 1 min if it is unknown.
+    /// whichever is next above it, and to 1 min if it is unknown. Those of events between the ends of the pass are
+    /// known to the interval between the points, and written to the step above it if it is longer.
     pub time_sigma_s: f64,
 }
 
@@ -185,13 +186,28 @@ impl SkyTrack {
         self.brightest().map_or(f64::NAN, |point| self.magnitude[point])
     }
 
+    /// Returns the step to which the time of an event at a point is rounded. An event inside the track is known to the
+    /// interval between the points.
+    pub(super) fn event_step_s(&self, point: usize) -> f64 {
+        let step_s = known_step_s(self.time_sigma_s);
+        match point == 0 || point + 1 == self.time_mjd.len() {
+            true => step_s,
+            false => step_s.max(known_step_s(self.longest_interval_s())),
+        }
+    }
+
+    /// Returns the longest interval between two points, seconds.
+    pub(super) fn longest_interval_s(&self) -> f64 {
+        self.time_mjd.windows(2).map(|pair| (pair[1] - pair[0]) * DAY_S).fold(0.0, f64::max)
+    }
+
     /// Returns name, times of rise, set and the brightest point, its altitude and magnitude.
     fn list_row(&self, ahead_days: f64) -> Vec<String> {
         let brightest = self.brightest();
         let at = |column: &[f64]| brightest.map_or(f64::NAN, |point| column[point]);
         let (first, last) = (self.time_mjd[0], self.time_mjd[self.time_mjd.len() - 1]);
-        let step_s = known_step_s(self.time_sigma_s);
-        let [rise, set, peak] = [first, last, at(&self.time_mjd)].map(|mjd| clock(mjd + ahead_days, step_s));
+        let [rise, set] = [first, last].map(|mjd| clock(mjd + ahead_days, known_step_s(self.time_sigma_s)));
+        let peak = brightest.map_or_else(String::new, |point| clock(self.time_mjd[point] + ahead_days, self.event_step_s(point)));
         let altitude = brightest.map_or_else(String::new, |point| format!("{:.0}°", self.altitude_deg[point]));
         vec![self.name.clone(), rise, set, peak, altitude, magnitude_text(at(&self.magnitude), at(&self.sigma_mag))]
     }

@@ -32,11 +32,18 @@ impl FoundWindows<'_> {
         match (&self.listed.target, self.found) {
             (Err(reason), _) => Some(reason.clone()),
             (Ok(_), Some(found)) if found.observable.is_empty() => {
-                let reason = match self.is_in_orbit {
-                    true => "never above the Earth's limb and within the limits of the telescope",
-                    false => "never above the lowest altitude in the dark",
+                let state = match self.is_in_orbit {
+                    true => "above the Earth's limb and within the limits of the telescope",
+                    false => "above the lowest altitude in the dark",
                 };
-                Some(reason.to_owned())
+                Some(match found.longest_s > 0.0 {
+                    true => format!(
+                        "the exposure of {} s is longer than the {:.0} s of the time range in which the target is {state} without a break",
+                        self.duration_s(),
+                        found.longest_s.floor()
+                    ),
+                    false => format!("never {state}"),
+                })
             }
             (Ok(_), Some(TargetWindows { windows, unknown: None, .. })) => {
                 windows.is_empty().then(|| "never clear".to_owned())

@@ -55,6 +55,8 @@ pub struct TargetWindows {
     /// Opening times allowed by the altitudes of target and Sun, and by the limits of a telescope in orbit; satellites
     /// are not considered.
     pub observable: Vec<ClearWindow>,
+    /// Longest time within the range in which these conditions allow an open shutter, seconds.
+    pub longest_s: f64,
     /// Passes that block part of the range, in order of entry.
     pub blocking_passes: Vec<Pass>,
     /// Reason why windows of a part of the range, or all of them, are unknown and omitted; `None` if there is none.
@@ -142,8 +144,9 @@ fn windows_of(
         .map(|(target, Blocked { intervals, mut blocking_passes })| {
             sky.watch().check()?;
             let exposure = &target.exposure;
-            let observable: Vec<Interval> = constraint
-                .observable(exposure)
+            let allowed = constraint.observable(exposure);
+            let longest_s = allowed.iter().map(|interval| interval.end_s - interval.start_s).fold(0.0, f64::max);
+            let observable: Vec<Interval> = allowed
                 .into_iter()
                 .filter_map(|interval| {
                     // The interval must contain the whole exposure: s >= a and s + D <= b.
@@ -169,6 +172,7 @@ fn windows_of(
             Ok(TargetWindows {
                 windows,
                 unknown,
+                longest_s,
                 observable: observable.iter().filter_map(|interval| window(from, *interval)).collect(),
                 blocking_passes,
             })

@@ -190,7 +190,7 @@ fn lists_in_every_syntax_give_the_same_windows() {
         answer["targets"].as_array().unwrap().iter().map(|one| one["reason"].as_str().unwrap_or("")).collect();
     assert_eq!(
         reasons,
-        ["", "right ascension is missing: the target has no position", "never above the lowest altitude in the dark"]
+        ["", "right ascension is missing; allowed: degrees, or text such as 12h34m", "never above the lowest altitude in the dark"]
     );
     // In every format, targets without a window are reported.
     let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
@@ -199,13 +199,57 @@ fn lists_in_every_syntax_give_the_same_windows() {
         let (code, _, stderr) = run(&[&command, RANGE, &loud]);
         assert_eq!(code, 0);
         for warning in [
-            "warning: target lost has no window: right ascension is missing: the target has no position\n",
+            "t.csv, row 2, target lost is invalid: right ascension is missing; allowed: degrees",
             "warning: target north has no window: never above the lowest altitude in the dark\n",
         ] {
             assert!(stderr.contains(warning), "{format}: {stderr}");
         }
-        assert_eq!(stderr.matches("has no window").count(), 2, "{format}: {stderr}");
+        assert_eq!(stderr.matches("has no window").count(), 1, "{format}: {stderr}");
+        assert!(stderr.ends_with("\n2 targets and 1 invalid row: 6 windows\n"), "{format}: {stderr}");
     }
+}
+
+/// Invalid rows are not targets without a window, and a list of invalid rows has no result.
+#[test]
+fn invalid_rows_of_a_list_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = path(&folder, "t.csv");
+    let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
+    let windows = |rows: &str| {
+        fs::write(&targets, format!("name,ra,dec,exposure,count\n{rows}")).unwrap();
+        run(&[&["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7"], RANGE, &loud])
+    };
+    let invalid = "B,abc,-30,30,1\nC,217.5,-30,30,20\nD,217.5,-30,-30,1\nE,217.5,-30,,1\n";
+    let (code, _, stderr) = windows(&format!("A,217.5,-30,30,1\n{invalid}"));
+    assert_eq!(code, 0, "{stderr}");
+    for part in [
+        "t.csv, row 2, target B is invalid: \"abc\" is not a right ascension",
+        "t.csv, row 3, target C is invalid: count is 20; allowed: 1, with the time",
+        "t.csv, row 4, target D is invalid: exposure is -30 s; allowed: above 0 to 86400",
+        "warning: 1 more invalid targets in the list\n",
+        "\n1 target and 4 invalid rows: ",
+    ] {
+        assert!(stderr.contains(part), "{part}: {stderr}");
+    }
+    assert!(!stderr.contains("has no window"), "{stderr}");
+    let (code, stdout, stderr) = windows(invalid);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    assert!(stderr.contains("row 1, target B is invalid: ") && stderr.contains("(and all 3 other rows)"), "{stderr}");
+}
+
+/// An exposure that is longer than the range, or than the time in which the target is up in the dark, is the reason.
+#[test]
+fn too_long_exposures_are_named() {
+    let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
+    let reason = |exposure: &str, range: &[&str]| {
+        let target = ["windows", "--ra", "217.5", "--dec", "-30", "--fov", "6deg", "--exposure", exposure];
+        run(&[&target, range, &loud]).2
+    };
+    let of_range = reason("40min", RANGE);
+    assert!(of_range.contains("the exposure of 2400 s is longer than the 1800 s of the time range"), "{of_range}");
+    let of_night = reason("10h", &["--night", "2024-08-14"]);
+    assert!(of_night.contains("the exposure of 36000 s is longer than the "), "{of_night}");
+    assert!(![of_range, of_night].iter().any(|text| text.contains("never above")));
 }
 
 #[test]

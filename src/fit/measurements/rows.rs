@@ -13,7 +13,7 @@ use super::format::FilterCounts;
 use super::record::{Record, Sighting};
 use crate::elements::{NoradId, parse_iso};
 use crate::error::{Error, ErrorKind};
-use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
+use crate::frames::{epoch_from_jd, epoch_from_mjd, has_zone, mjd_utc, parse_instant};
 use crate::geometry::Site;
 use crate::input::blank_record;
 use crate::message::Quoted;
@@ -414,13 +414,11 @@ impl Layout {
         let epoch = match self.columns[Field::TimeOfDay as usize] {
             Some(_) => {
                 let time = self.text(cell, Field::TimeOfDay).ok_or_else(wrong)?;
-                in_scale(date_and_time(&format!("{date} {time}")), scale)
+                moment(&format!("{date} {time}"), scale)
             }
-            // Z means UTC, which contradicts any other scale.
-            None if date.ends_with('Z') && scale != TimeScale::UTC => None,
             None => match date.parse::<f64>() {
                 Ok(days) => epoch_from_mjd(days, scale).or_else(|_| epoch_from_jd(days, scale)).ok(),
-                Err(_) => in_scale(date_and_time(date), scale),
+                Err(_) => moment(date, scale),
             },
         };
         // MJD of the launch of Sputnik and of the end of the Sun's ephemeris.
@@ -462,9 +460,13 @@ impl Layout {
     }
 }
 
-/// Reinterprets a date that was read as UTC in another time scale.
-fn in_scale(read: Option<Epoch>, scale: TimeScale) -> Option<Epoch> {
-    read.map(|epoch| Epoch::from_duration(epoch.to_utc_duration(), scale))
+/// Parses date and time in a time scale, also with `Z` or an offset from UTC, which contradict other scales than UTC.
+fn moment(text: &str, scale: TimeScale) -> Option<Epoch> {
+    match has_zone(text) {
+        true if scale != TimeScale::UTC => None,
+        true => parse_instant(text, None).ok().or_else(|| date_and_time(text)),
+        false => date_and_time(text).map(|epoch| Epoch::from_duration(epoch.to_utc_duration(), scale)),
+    }
 }
 
 /// Parses date and time. Hours of one digit (`2024-01-01 5:03:02`) are accepted because they occur in tables of
@@ -509,6 +511,16 @@ mod tests {
         // Cells may be aligned by several blanks.
         let row = "2026-08-14T23:36:25  5.5   45.0  120.0 550.0";
         let stated = ["mag", "deg", "deg", "km"];
+        let epoch = |time: &str| {
+            let records = read(stated, "utc", &row.replacen("2026-08-14T23:36:25", time, 1)).unwrap();
+            records.first().and_then(|record| record.epoch)
+        };
+        let utc = epoch("2026-08-14T23:36:25");
+        assert!(utc.is_some());
+        for time in ["2026-08-14T23:36:25.000+00:00", "2026-08-15T01:36:25+02:00", "2026-08-14T18:06:25-0530"] {
+            assert_eq!(epoch(time), utc, "{time}");
+        }
+        assert_eq!(epoch("2026-08-14T23:36:25+25:00"), None);
         assert_eq!(read(stated, "utc", row).unwrap()[0].magnitude, Magnitude(5.5));
         for (units, scale, expected) in [
             (["s", "deg", "deg", "km"], "utc", "column mag is in 's'; allowed: mag"),

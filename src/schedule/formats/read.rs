@@ -42,10 +42,7 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, Error> {
     input::check_size(&file).map_err(io_error)?;
     let bytes = input::read_at_most(head.as_slice().chain(file), input::LARGEST_INPUT).map_err(io_error)?;
     let text = input::text_of(bytes).map_err(|error| error::format(path, error.to_string()))?;
-    let text = match text.strip_prefix('\u{feff}') {
-        Some(text) => text.to_owned(),
-        None => text,
-    };
+    let text = input::without_mark(text);
     let body = text.trim_start();
     if body.is_empty() {
         Err(error::empty(path))

@@ -219,8 +219,8 @@ impl GivenStreak {
         for (name, time_s) in [enter, exit].into_iter().zip(ends_s) {
             if !(-ROUNDED_S..=exposure_s + ROUNDED_S).contains(&time_s) {
                 let allowed =
-                    format!("0 to {exposure_s} s after the opening of the shutter at {}", format_utc(opened, 3));
-                return Err(self.invalid(name, format!("{time_s:.3} s after it"), allowed));
+                    format!("0 to {exposure_s} s after it; the shutter opened at {}", format_utc(opened, 3));
+                return Err(self.invalid(name, format!("{time_s:.3} s after the opening of the shutter"), allowed));
             }
         }
         let [from_s, to_s] = ends_s.map(|time_s| time_s.clamp(0.0, exposure_s));

@@ -3,14 +3,14 @@
 use std::fmt;
 use std::path::Path;
 
-use hifitime::Epoch;
+use hifitime::{Epoch, TimeScale};
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::super::chip::Chip;
 use super::super::frame::TargetFrame;
-use crate::elements::{NoradId, parse_iso};
+use crate::elements::NoradId;
 use crate::error::Error;
-use crate::frames::{Direction, Gcrs, seconds_between};
+use crate::frames::{Direction, Gcrs, parse_instant, seconds_between};
 use crate::input::TableRows;
 
 /// Names of the columns, for errors.
@@ -55,11 +55,20 @@ pub struct MeasuredStreak {
     pub is_saturated: bool,
 }
 
+/// Streaks that were found, from a table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeasuredTable {
+    /// Streaks of satellites with a catalogue number.
+    pub streaks: Vec<MeasuredStreak>,
+    /// File of the frame and name of each other streak.
+    pub without_satellite: Vec<[String; 2]>,
+}
+
 /// Reads the streaks that were found from a table (CSV or ECSV) of `streakcast measure`.
 ///
 /// # Errors
 /// The file cannot be read, a column is missing, or a value is invalid.
-pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> {
+pub fn read_measured_streaks(path: &Path) -> Result<MeasuredTable, Error> {
     let failed = |error: std::io::Error| Error::system(error).in_file("", path);
     let rows = TableRows::open(path).map_err(failed)?;
     let column = |name| rows.column(name, COLUMNS).map_err(failed);
@@ -69,8 +78,8 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> 
     let [late, late_sigma, flags] = [column("late_s")?, column("late_sigma_s")?, column("flags")?];
     let name = rows.find("name");
     // In tables of streaks that were given, the tilt is relative to the given streak, not to the predicted track.
-    let has_given_tracks = rows.find("streak").is_some();
-    let mut streaks = Vec::new();
+    let given = rows.find("streak");
+    let mut table = MeasuredTable::default();
     for row in rows {
         let row = row.map_err(failed)?;
         let number = |column| row.number_in(column, [f64::MIN, f64::MAX]).map_err(failed);
@@ -80,8 +89,11 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> 
             _ => Err(failed(row.wrong(column, "a number above 0"))),
         };
         // Streaks that were given may be unmeasured, or of unknown satellites.
-        let is_without = has_given_tracks && (row.is_missing(detected) || row.is_missing(id));
-        if is_without || !row.truth(detected).map_err(failed)? {
+        if given.is_some() && row.is_missing(detected) || !row.truth(detected).map_err(failed)? {
+            continue;
+        }
+        if let Some(streak) = given.filter(|_| row.is_missing(id)) {
+            table.without_satellite.push([image, streak].map(|column| row.text(column).to_owned()));
             continue;
         }
         let late_s = match (optional(late)?, optional(late_sigma)?) {
@@ -89,23 +101,23 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> 
             _ => None,
         };
         let wrong_time = || failed(row.wrong(mid, "a time in UTC, such as 2026-08-14T23:36:25Z"));
-        streaks.push(MeasuredStreak {
+        table.streaks.push(MeasuredStreak {
             image: row.text(image).to_owned(),
             hdu: row.parsed(hdu, "the number of an HDU, from 0").map_err(failed)?,
             norad_id: NoradId(row.parsed(id, "a catalogue number").map_err(failed)?),
             name: name.map(|name| row.text(name)).unwrap_or_default().to_owned(),
-            epoch: parse_iso(row.text(mid)).ok_or_else(wrong_time)?,
+            epoch: parse_instant(row.text(mid), Some(TimeScale::UTC)).map_err(|_| wrong_time())?,
             direction: Direction::from_lon_lat_rad(number(ra)?.to_radians(), number(dec)?.to_radians()),
             rate: positive(rate)?,
             // Tables of earlier versions have errors of less than 0.0005 pixels as 0.
             across_sigma_pix: row.number_in(across, [0.0, f64::MAX]).map_err(failed)?.max(LEAST_SIGMA_PIX),
-            tilt_rad: if has_given_tracks { 0.0 } else { number(tilt)?.to_radians() },
+            tilt_rad: if given.is_some() { 0.0 } else { number(tilt)?.to_radians() },
             late_s,
             seeing_arcsec: optional(seeing)?.filter(|seeing| *seeing > 0.0),
             is_saturated: row.text(flags).contains("saturated"),
         });
     }
-    Ok(streaks)
+    Ok(table)
 }
 
 /// Reason why a measured streak is not used, although it is of a file with the name of the frame.
@@ -132,6 +144,11 @@ impl fmt::Display for UnusedReason {
     }
 }
 
+/// Returns true if the file of a row of the table has the name of the file of a frame.
+pub fn is_same_file_name(image: &str, frame: &Path) -> bool {
+    Path::new(image).file_name() == frame.file_name()
+}
+
 impl MeasuredStreak {
     /// Returns the reason if the streak cannot be of a frame with its file name.
     pub(super) fn unused_in(&self, frame: &TargetFrame) -> Option<UnusedReason> {
@@ -145,7 +162,7 @@ impl MeasuredStreak {
 
     /// Returns true if the streak is in a file of this name.
     pub fn is_of(&self, frame: &Path) -> bool {
-        Path::new(&self.image).file_name() == frame.file_name()
+        is_same_file_name(&self.image, frame)
     }
 
     /// Returns the measured track as a function of the predicted time, seconds after the shutter opened: the track that

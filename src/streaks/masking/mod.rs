@@ -14,7 +14,7 @@ mod write;
 
 pub(super) use area::polygons;
 pub(super) use corridor::Cell;
-pub use measured::{MeasuredStreak, UnusedReason, read_measured_streaks};
+pub use measured::{MeasuredStreak, UnusedReason, is_same_file_name, read_measured_streaks};
 pub use satellites::{
     FrameMask, LeftOutReason, MaskOptions, MaskedStreak, StreakOrigin, mask_frame, missing_zero_point,
 };

@@ -1,6 +1,6 @@
 //! `windows`: lists time windows in which targets can be exposed without a crossing above the limits.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::arguments::OutputArguments;
 use crate::clock::{TONIGHT, set_night};
@@ -28,6 +28,7 @@ use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::help::{VerbFlags, help};
 use crate::local_time::{LocalTime, ZoneArguments};
+use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
@@ -141,6 +142,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             let list = read_targets(path, duration_s, plan.rotation_rad)?;
             notices.warn(comments_warning(list.comments_like_rows).as_slice());
             notices.warn(&list.warnings);
+            warn_invalid(&list.targets, path, &notices)?;
             (list.targets, path.display().to_string())
         }
         (None, Some((pointing, duration_s))) => {
@@ -167,7 +169,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         notices.warn(&night.why_never_dark(&site.site().name));
     }
     let found = found(&listed, &report, in_orbit);
-    let without = found.iter().filter_map(|target| {
+    let without = found.iter().filter(|target| target.listed.target.is_ok()).filter_map(|target| {
         let name = Quoted::new(&target.listed.name);
         let what = if target.windows().is_empty() { " has no window" } else { "" };
         target.reason().map(|reason| format!("target {name}{what}: {reason}"))
@@ -210,9 +212,36 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         )?;
     }
     let count: usize = report.by_target.iter().map(|target| target.windows.len()).sum();
-    let targets = counted(listed.len(), "target", "targets");
+    let invalid = match listed.len() - report.by_target.len() {
+        0 => String::new(),
+        invalid => format!(" and {}", counted(invalid, "invalid row", "invalid rows")),
+    };
+    let targets = counted(report.by_target.len(), "target", "targets") + &invalid;
     notices.info(&format!("{targets}: {}", counted(count, "window", "windows")));
     Ok(Outcome::Done)
+}
+
+/// Prints warnings about invalid rows.
+///
+/// # Errors
+/// All rows are invalid.
+fn warn_invalid(listed: &[ListedTarget], path: &Path, notices: &Notices) -> anyhow::Result<()> {
+    let reasons: Vec<String> = listed
+        .iter()
+        .enumerate()
+        .filter_map(|(index, target)| {
+            let reason = target.target.as_ref().err()?;
+            let place = format!("target list {}, row {}, target", path.display(), index + 1);
+            Some(format!("{place} {} is invalid: {reason}", Quoted::new(&target.name)))
+        })
+        .collect();
+    if reasons.len() == listed.len() {
+        let (first, others) = (reasons.first().map_or("", String::as_str), reasons.len().saturating_sub(1));
+        let others = if others > 0 { format!(" (and all {others} other rows)") } else { String::new() };
+        return Err(anyhow!("{first}{others}"));
+    }
+    notices.warn_first(reasons, "invalid targets in the list");
+    Ok(())
 }
 
 fn single_target(name: &str, pointing: Direction<Gcrs>, duration_s: f64, rotation_rad: f64) -> ListedTarget {

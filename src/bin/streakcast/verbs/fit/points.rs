@@ -86,7 +86,7 @@ pub fn read(
         (Some(pixels), points)
     };
     if points.is_empty() {
-        return Err(no_points(&measurements, pixels.as_ref()));
+        return Err(no_points(&measurements, pixels.as_ref(), history.is_some()));
     }
     Ok(FitInput { measurements, filters, reduction: pixels, points, group_correlation: None, notices })
 }
@@ -103,7 +103,7 @@ pub fn measured(
     let measurements = measure(&mut reader, &placement, &selection)?;
     report_counts(notices, &measurements.dropped, measurements.points.len());
     if measurements.points.is_empty() {
-        return Err(no_points(&measurements, None));
+        return Err(no_points(&measurements, None, history.is_some()));
     }
     let filters = reader.filters().clone();
     Ok((measurements, filters))
@@ -162,14 +162,14 @@ pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArgumen
 }
 
 /// Returns the error for a fit without points. It lists options that may help.
-fn no_points(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow::Error {
+fn no_points(measurements: &Measurements, pixels: Option<&Reduction>, has_elements: bool) -> anyhow::Error {
     let most = measurements.dropped.iter().max_by_key(|(_, count, _)| *count);
     match (measurements.points.len(), pixels, most) {
         (0, _, Some((reason, count, _))) => anyhow!(
             "no measurement remains: {} left out, {count} of them for {}{}",
             counted(measurements.dropped.total() as usize, "row", "rows"),
             reason.name().replace('_', " "),
-            remedy(reason)
+            remedy(reason, has_elements)
         ),
         (0, ..) => anyhow!("no measurement remains: the tables contain none; allowed: tables with photometry"),
         (n, ..) => anyhow!(
@@ -178,8 +178,11 @@ fn no_points(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow:
     }
 }
 
-fn remedy(reason: DropReason) -> &'static str {
+fn remedy(reason: DropReason, has_elements: bool) -> &'static str {
     match reason {
+        DropReason::NoGeometry if has_elements => {
+            " (the site is missing: specify --mpc CODE, --site NAME, or --lat DEG and --lon DEG, or columns with the latitude and longitude of each row)"
+        }
         DropReason::NoGeometry => " (distance and phase need --height-km, others a site or --elements)",
         DropReason::NoElements => " (the satellites of the rows must be in --elements)",
         DropReason::StaleElements => " (see --max-element-age-days)",
