@@ -51,7 +51,7 @@ pub struct MeasuredStreak {
     pub late_s: Option<(f64, f64)>,
     /// Seeing that the width of the streak implies, arcsec.
     pub seeing_arcsec: Option<f64>,
-    /// True if pixels of the streak are saturated: `rate` is a lower limit.
+    /// True if pixels of the streak are saturated, or its sky is cut off: `rate` is a lower limit.
     pub is_saturated: bool,
 }
 
@@ -102,7 +102,7 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> 
             tilt_rad: if has_given_tracks { 0.0 } else { number(tilt)?.to_radians() },
             late_s,
             seeing_arcsec: optional(seeing)?.filter(|seeing| *seeing > 0.0),
-            is_saturated: row.text(flags).contains("saturated"),
+            is_saturated: ["saturated", "clipped"].iter().any(|flag| row.text(flags).contains(flag)),
         });
     }
     Ok(streaks)
