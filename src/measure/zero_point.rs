@@ -89,7 +89,8 @@ impl StarZeroPoint {
             (self.faint, "faint"),
             (self.outliers, "outliers"),
             (self.misplaced, "without light at their positions"),
-            (self.outside, "outside of the frame"),
+            // A table may cover a larger area than a chip.
+            (if self.used == 0 { self.outside } else { 0 }, "outside of the frame"),
         ];
         let omitted: Vec<String> =
             omitted.iter().filter(|(count, _)| *count > 0).map(|(count, reason)| format!("{count} {reason}")).collect();
