@@ -203,7 +203,8 @@ impl MaskConfig {
             return Err(FRAMES.missing());
         };
         let measured = config.measured.iter().map(|path| read_measured_streaks(path)).collect::<Result<Vec<_>, _>>()?;
-        let measured: Vec<MeasuredStreak> = measured.concat();
+        let (measured, of_no_satellite): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
+        let (measured, of_no_satellite): (Vec<MeasuredStreak>, _) = (measured.concat(), of_no_satellite.concat());
         let (config, remark) = with_site(config, &frames)?;
         let shared_sky: Arc<PreparedSky> = match sky {
             Some(sky) => sky(first)?,
@@ -211,6 +212,10 @@ impl MaskConfig {
         };
         // The warnings of a given sky are not repeated here.
         let mut warnings = if sky.is_some() { Vec::new() } else { shared_sky.warnings.clone() };
+        if !of_no_satellite.is_empty() {
+            let streaks = counted(of_no_satellite.len(), "measured streak of no satellite is", "measured streaks of no satellite are");
+            warnings.push(format!("{streaks} not masked: {}; mask predicts satellites only", first_of(&of_no_satellite)));
+        }
         let mut remarks: Vec<String> = remark.into_iter().collect();
         let batch = |error: Error, done: usize| match done {
             1.. if !outputs.is_empty() => crate::streaks::partly_written(error, done, count),

@@ -55,11 +55,12 @@ pub struct MeasuredStreak {
     pub is_saturated: bool,
 }
 
-/// Reads the streaks that were found from a table (CSV or ECSV) of `streakcast measure`.
+/// Reads the streaks that were found from a table (CSV or ECSV) of `streakcast measure`. Also returns the names of those of
+/// no satellite, which have no prediction.
 ///
 /// # Errors
 /// The file cannot be read, a column is missing, or a value is invalid.
-pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> {
+pub fn read_measured_streaks(path: &Path) -> Result<(Vec<MeasuredStreak>, Vec<String>), Error> {
     let failed = |error: std::io::Error| Error::system(error).in_file("", path);
     let rows = TableRows::open(path).map_err(failed)?;
     let column = |name| rows.column(name, COLUMNS).map_err(failed);
@@ -69,8 +70,9 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> 
     let [late, late_sigma, flags] = [column("late_s")?, column("late_sigma_s")?, column("flags")?];
     let name = rows.find("name");
     // In tables of streaks that were given, the tilt is relative to the given streak, not to the predicted track.
-    let has_given_tracks = rows.find("streak").is_some();
-    let mut streaks = Vec::new();
+    let given_name = rows.find("streak");
+    let has_given_tracks = given_name.is_some();
+    let (mut streaks, mut of_no_satellite) = (Vec::new(), Vec::new());
     for row in rows {
         let row = row.map_err(failed)?;
         let number = |column| row.number_in(column, [f64::MIN, f64::MAX]).map_err(failed);
@@ -80,8 +82,12 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> 
             _ => Err(failed(row.wrong(column, "a number above 0"))),
         };
         // Streaks that were given may be unmeasured, or of unknown satellites.
-        let is_without = has_given_tracks && (row.is_missing(detected) || row.is_missing(id));
-        if is_without || !row.truth(detected).map_err(failed)? {
+        let is_unmeasured = has_given_tracks && row.is_missing(detected);
+        if is_unmeasured || !row.truth(detected).map_err(failed)? {
+            continue;
+        }
+        if let Some(given_name) = given_name.filter(|_| row.is_missing(id)) {
+            of_no_satellite.push(row.text(given_name).to_owned());
             continue;
         }
         let late_s = match (optional(late)?, optional(late_sigma)?) {
@@ -105,7 +111,7 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> 
             is_saturated: ["saturated", "clipped"].iter().any(|flag| row.text(flags).contains(flag)),
         });
     }
-    Ok(streaks)
+    Ok((streaks, of_no_satellite))
 }
 
 /// Reason why a measured streak is not used, although it is of a file with the name of the frame.
@@ -183,5 +189,26 @@ impl MeasuredStreak {
             let (direction, range_km) = sight(time_s, late_s);
             (Direction::from_vector(rotation * direction.vector()), range_km)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn found_streaks_of_no_satellite_are_named() {
+        let table = tempfile::NamedTempFile::new().unwrap();
+        let cells = "true,2026-04-25T21:00:00Z,10,20,5,0.1,0,,,2";
+        let text = format!(
+            "streak,image,hdu,norad_id,detected,mid_utc,ra_deg,dec_deg,rate,offset_sigma_pix,tilt_deg,late_s,\
+             late_sigma_s,seeing_arcsec,flags\nA,a.fits,0,,{cells},\nB,a.fits,0,25544,{cells},clipped\n\
+             C,a.fits,0,,{}\nD,a.fits,0,,,,,,,,,,,,outside\n",
+            cells.replace("true", "false") + ","
+        );
+        std::fs::write(table.path(), text).unwrap();
+        let (streaks, of_no_satellite) = read_measured_streaks(table.path()).unwrap();
+        assert_eq!(of_no_satellite, ["A"]);
+        assert!(matches!(&streaks[..], [one] if one.norad_id.0 == 25544 && one.is_saturated), "{streaks:?}");
     }
 }
