@@ -75,8 +75,15 @@ impl PixelLevels {
             above += usize::from(value == low[1]);
         }
         let most = f64::from(high[0]);
+        // A constant column at the edge of a detector is not saturated.
+        let at_most = rows().enumerate().flat_map(|(row, values)| {
+            let columns = values.iter().enumerate().filter(|(_, value)| **value == high[0]);
+            columns.map(move |(column, _)| [row, column])
+        });
+        let first = at_most.clone().next().unwrap_or_default();
+        let is_line = [0, 1].iter().any(|axis| at_most.clone().all(|at| at[*axis] == first[*axis]));
         let is_full = greatest.is_some_and(|greatest| most >= greatest)
-            || (full >= LEAST_FULL && full >= LEAST_RATIO * below && most > sky);
+            || (full >= LEAST_FULL && full >= LEAST_RATIO * below && most > sky && !is_line);
         let ends = |row: &[f32]| row.windows(2).filter(|pair| pair[0] == low[0] && pair[1] > low[0]).count();
         let share = empty as f64 / count as f64;
         let expected = share * (1.0 - share) * count as f64;
@@ -169,6 +176,14 @@ mod tests {
             assert_eq!(full(800.0, sigma, 65535.0), None, "sigma {sigma}");
         }
         assert_eq!(levels(800.0, 15.0, |value| value).full, None);
+        let mut plane = Plane::zeros(100, 100);
+        for (index, value) in plane.values_mut().iter_mut().enumerate() {
+            *value = if index % 100 == 99 { 5000.0 } else { (index * 37 % 101) as f32 };
+        }
+        let of = |plane: &Plane| PixelLevels::new(plane, &LightArea::whole(100, 100), None).unwrap().full;
+        assert_eq!(of(&plane), None);
+        plane.values_mut()[0] = 5000.0;
+        assert_eq!(of(&plane), Some((5000.0, 101)));
     }
 
     #[test]
