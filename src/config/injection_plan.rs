@@ -190,6 +190,8 @@ impl InjectionConfig {
                 hdus: self.hdu.clone(),
                 zero_point: zero_point.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second))),
                 gain_e_adu: self.gain.or(gain_of_file),
+                // That of the detector file.
+                saturation: None,
                 pixel_scale_arcsec,
             },
             tracking_arcsec_s: numbers(&self.track_rate).try_into().ok(),

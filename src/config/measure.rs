@@ -90,6 +90,10 @@ pub struct MeasureConfig {
     /// Gain, electrons per count; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "E"))]
     pub gain: Option<f64>,
+    /// Value at which pixels are saturated, in the frame's unit; from the header if omitted, or else the largest value of
+    /// the frame if pixels pile up there
+    #[cfg_attr(feature = "cli", arg(long, value_name = "COUNTS"))]
+    pub saturation: Option<f64>,
     /// If true, the pixels along each track are returned, for pictures.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub cuts: bool,
@@ -211,6 +215,7 @@ impl MeasureConfig {
                 );
             }
             remarks.extend(frame.time_remarks.iter().map(|remark| format!("{shown}: {remark}")));
+            remarks.extend(measured.remarks.iter().map(|remark| format!("{shown}: {remark}")));
             let used = &measured.planes_used;
             if let Some(summary) = frame.images.summary() {
                 let used = if used.is_empty() {
@@ -273,6 +278,9 @@ impl MeasureConfig {
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
             return Err(Error::invalid("gain", format_args!("{gain} e/count"), "above 0 e/count"));
         }
+        if let Some(level) = self.saturation.filter(|level| !(*level > 0.0 && level.is_finite())) {
+            return Err(Error::invalid("saturation", format_args!("{level}"), "above 0, in the unit of the frame"));
+        }
         let given = self.zero_point.map(|mag| (mag, CountBasis::Frame));
         let given = given.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second)));
         let is_calibrated = self.stars.is_none() && (given.is_some() || has_zero_point(path, &self.hdu)?);
@@ -284,6 +292,7 @@ impl MeasureConfig {
             hdus: self.hdu.clone(),
             zero_point,
             gain_e_adu: self.gain,
+            saturation: self.saturation,
             pixel_scale_arcsec: None,
         };
         Ok((TargetFrame::open(path, &overrides)?, is_calibrated))

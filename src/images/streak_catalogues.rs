@@ -9,8 +9,8 @@
 //! - The same tables that astropy read and wrote as CSV, ECSV or FITS, and FITS tables with the columns of
 //!   [`StreakTable`](super::StreakTable).
 //! - Regions of SAOImage DS9: `line(x1,y1,x2,y2)` in `image` (pixels from 1) or in `fk5`, `j2000` or `icrs` (degrees, or
-//!   hours and degrees with colons), and `vector(x,y,length,angle)` in `image`, also behind `#`, as DS9 saves it. The
-//!   text of a region is the name of the streak.
+//!   hours and degrees with colons), `segment` and `projection` likewise, and `vector(x,y,length,angle)` in `image`; the
+//!   last three also behind `#`, as DS9 saves them. The text of a region is the name of the streak.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -23,6 +23,8 @@ use crate::message::Quoted;
 
 /// Status of a trail that passed all tests of findsat_mrt.
 const ACCEPTED: f64 = 2.0;
+/// Beginning of a file of regions that DS9 saved.
+const DS9_HEAD: &str = "# Region file format: DS9";
 /// Columns of the tables of findsat_mrt and of ASTRiDE.
 const OF_FINDSAT: [&str; 3] = ["id", "status", "endpoints"];
 const OF_ASTRIDE: [&str; 5] = ["ID", "ep1_x", "ep1_y", "ep2_x", "ep2_y"];
@@ -47,7 +49,7 @@ pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
     } else {
         (input::text_of(bytes).map(input::without_mark).map_err(Error::io(path))?, None)
     };
-    if text.starts_with("# Region file format: DS9") {
+    if is_ds9(&text) {
         return Ok(StreakText { text: ds9(path, &text)?, lines_before_rows });
     }
     let text = if text.starts_with("#ID ") { separated(path, &text)? } else { text };
@@ -64,19 +66,29 @@ pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
     Ok(StreakText { text, lines_before_rows })
 }
 
+/// Returns true for a file of regions: its first line is that of DS9, a coordinate system, `global` or a shape.
+fn is_ds9(text: &str) -> bool {
+    let first = text.lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
+    let word = first.split([';', '(', ' ', '\t']).next().unwrap_or_default();
+    let is_shape = ["line(", "vector(", "segment(", "projection("].iter().any(|shape| first.starts_with(shape));
+    first.starts_with(DS9_HEAD) || is_shape || system_of(None, word).is_some() || word == "global"
+}
+
 fn ds9(path: &Path, text: &str) -> Result<String, Error> {
-    const ALLOWED: &str =
-        "line in image, fk5 or icrs, or vector in image, one on each line, all in one coordinate system";
+    const ALLOWED: &str = "line, segment or projection in image, fk5 or icrs, or vector in image, one on each line, all in \
+                           one coordinate system";
     let mut system: Option<&'static str> = None;
     let mut converted = String::new();
     for (line, number) in text.lines().zip(1..) {
         let invalid = |given: &str| {
             Error::invalid("region", format!("'{}'", Quoted::new(given)), ALLOWED).in_line("", path, number)
         };
-        // Each row keeps its line; the names of the columns are in the first one, which is a comment of DS9.
-        converted.push_str(if number == 1 { "" } else { "\n" });
+        // Each row keeps its line; the names of the columns are in the first one, which is a comment of DS9. Without this
+        // comment, rows are one line lower.
+        converted.push_str(if number == 1 && line.starts_with(DS9_HEAD) { "" } else { "\n" });
         let commented = line.trim_start_matches('#').trim_start();
-        let line = if commented.starts_with("vector(") { commented } else { line };
+        let is_commented = ["vector(", "projection(", "segment("].iter().any(|shape| commented.starts_with(shape));
+        let line = if is_commented { commented } else { line };
         let name = [("text={", '}'), ("text=\"", '"'), ("text='", '\'')].into_iter().find_map(|(start, end)| {
             let (_, rest) = line.split_once(start)?;
             rest.split(end).next()
@@ -102,15 +114,20 @@ fn ds9(path: &Path, text: &str) -> Result<String, Error> {
             .map(str::trim)
             .filter(|cell| !cell.is_empty())
             .collect();
-        let [a, b, c, d] = cells[..] else { return Err(invalid(line)) };
-        let ends = match (kind.trim(), system) {
-            ("line", Some("image")) => [a, b, c, d].map(|cell| cell.parse::<f64>().ok()),
+        let kind = kind.trim();
+        let [a, b, c, d] = match (kind, &cells[..]) {
+            // The last number is the width of the projection.
+            ("projection", [a, b, c, d, _]) | (_, [a, b, c, d]) => [*a, *b, *c, *d],
+            _ => return Err(invalid(line)),
+        };
+        let ends = match (kind, system) {
+            ("line" | "segment" | "projection", Some("image")) => [a, b, c, d].map(|cell| cell.parse::<f64>().ok()),
             ("vector", Some("image")) => {
                 let [x, y, length, angle_deg] = [a, b, c, d].map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
                 let (sin, cos) = angle_deg.to_radians().sin_cos();
                 [x, y, x + length * cos, y + length * sin].map(Some)
             }
-            ("line", Some(_)) => {
+            ("line" | "segment" | "projection", Some(_)) => {
                 let ends = [(a, b), (c, d)]
                     .map(|(ra, dec)| [parse_right_ascension_deg(ra).ok(), parse_declination_deg(dec).ok()]);
                 [ends[0][0], ends[0][1], ends[1][0], ends[1][1]]
@@ -330,6 +347,18 @@ mod tests {
     const HEAD: &str = "# Region file format: DS9 version 4.1\nglobal color=green\n";
 
     #[test]
+    fn regions_without_the_line_of_ds9_are_recognised() {
+        for text in ["image\nline(1,2,3,4)\n", "image;line(1,2,3,4)\n", "global color=red\nimage\n# segment(1,2,3,4)\n"] {
+            assert!(is_ds9(text), "{text}");
+            let rows = ds9(Path::new("a.reg"), text).unwrap();
+            assert!(rows.starts_with("id,x1_pix,y1_pix,x2_pix,y2_pix\n") && rows.contains("\n\"\",1,2,3,4"), "{rows}");
+        }
+        for text in ["image,x1,y1,x2,y2\na.fits,1,2,3,4\n", "id,ra1\n", "#ID ep1_x\n", ""] {
+            assert!(!is_ds9(text), "{text}");
+        }
+    }
+
+    #[test]
     fn regions_of_ds9_are_converted_with_their_lines() {
         let of = |text: &str| ds9(Path::new("a.reg"), &format!("{HEAD}{text}"));
         let text = "image\nline(1,2,3.5,4) # line=0 0 text={one}\n# vector(10,20,5,90) vector=1\n";
@@ -343,6 +372,8 @@ mod tests {
             rows.starts_with("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg\n") && rows.contains("\n\"\",10,-10.5,10.5,-11"),
             "{rows}"
         );
+        let rows = of("image\n# projection(81,61,521,431,10)\n# segment(1,2,3,4)\n").unwrap();
+        assert!(rows.contains("\n\"\",81,61,521,431\n\"\",1,2,3,4\n"), "{rows}");
         for name in ["{#3}", "\"#3\"", "'#3'"] {
             let rows = of(&format!("image\nline(1,2,3,4) # text={name}\n")).unwrap();
             assert!(rows.contains("\n\"#3\",1,2,3,4"), "{rows}");

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::background::Background;
 use super::bad_pixels::remove_bad_pixels;
 use super::cut::{StreakCut, streak_cut};
+use super::levels::PixelLevels;
 use super::measurement::{Estimate, Flag, MeasureOptions, StreakImage, StreakMeasurement};
 use super::predict::{PredictOptions, Prediction, predictions};
 use super::star_table::CatalogueStar;
@@ -78,9 +79,9 @@ pub struct MeasuredPass {
     /// Magnitude, with the error of the zero point if it is known; `None` if the streak was not found.
     pub magnitude: Option<Estimate>,
     /// Magnitude of the upper limit of the rate; for a saturated streak it has no meaning. `None` if the position is
-    /// unknown: the satellite may be elsewhere.
+    /// unknown: the satellite may be elsewhere; or if the sky is cut off.
     pub limit_mag: Option<f64>,
-    /// Magnitude of a streak at the threshold of detection.
+    /// Magnitude of a streak at the threshold of detection; `None` if the sky is cut off.
     pub faintest_mag: Option<f64>,
     /// False if the chip has no zero point: magnitudes are instrumental, -2.5 log10 of the counts.
     pub is_calibrated: bool,
@@ -107,6 +108,8 @@ pub struct FrameMeasurements {
     pub star_zero_points: Vec<(usize, StarZeroPoint)>,
     /// Companion planes from which bad pixels were removed, or the reason why a plane was not used.
     pub planes_used: Vec<String>,
+    /// Values at which pixels of a chip are cut off although the header does not say so, as sentences.
+    pub remarks: Vec<String>,
 }
 
 /// Conversion of the rates of a chip to magnitudes.
@@ -116,6 +119,8 @@ struct ChipScale {
     is_calibrated: bool,
     /// Error of the zero point, mag.
     sigma_mag: Option<f64>,
+    /// True if the sky is cut off, so that the light of streaks is incomplete.
+    is_clipped: bool,
 }
 
 /// Predicts and measures all streaks in a frame, on all threads of the current pool.
@@ -158,21 +163,27 @@ pub fn measure_predictions(
         done.planes_used.extend(remove_bad_pixels(&frame.file, chip.hdu, &frame.images.companions, &mut plane)?);
         // Infinite pixels, such as those of a division by a flat field of 0, have no value.
         plane.values_mut().iter_mut().filter(|value| value.is_infinite()).for_each(|value| *value = f32::NAN);
+        let levels = PixelLevels::new(&plane, &chip.light_area, target.whole_range.map(|(_, greatest)| greatest));
+        done.remarks.extend(levels.iter().flat_map(|levels| levels.remarks(target)));
+        let electrons_per_unit =
+            target.electrons_per_unit.filter(|gain| !levels.is_some_and(|levels| levels.contradict_gain(*gain)));
+        let full = levels.and_then(|levels| levels.full);
         let background = Background::new(&plane, &chip.light_area);
         let image = StreakImage {
             plane: &plane,
             background: &background,
             light_area: &chip.light_area,
             exposure_s: frame.exposure_s,
-            electrons_per_unit: target.electrons_per_unit,
-            saturation: target.saturation,
+            electrons_per_unit,
+            saturation: target.saturation.or(full.map(|(level, _)| level)),
             pixel_scale_arcsec: chip.pixel_scale_arcsec(),
             pixel_aspect: chip.pixel_aspect(),
         };
         let (mut optics, mut measure) = (options.optics, options.measure);
         measure.fit_width |= !options.is_seeing_known;
         let is_calibrated = !matches!(options.zero_points, ZeroPoints::Missing);
-        let mut scale = ChipScale { scale: chip.scale, is_calibrated, sigma_mag: None };
+        let is_clipped = levels.is_some_and(|levels| levels.empty.is_some());
+        let mut scale = ChipScale { scale: chip.scale, is_calibrated, sigma_mag: None, is_clipped };
         if let ZeroPoints::Stars(stars) = options.zero_points {
             let from_stars = star_zero_point(&image, &chip.wcs, stars, &optics, options.is_seeing_known, watch)?;
             let zero_point_mag = from_stars.zero_point_mag.map_or(0.0, |zero_point| zero_point.value);
@@ -180,6 +191,7 @@ pub fn measure_predictions(
                 scale: CountScale::of_frame(zero_point_mag, frame.exposure_s)?,
                 is_calibrated: from_stars.zero_point_mag.is_some(),
                 sigma_mag: from_stars.zero_point_mag.map(|zero_point| zero_point.sigma),
+                is_clipped,
             };
             if let Some(seeing_arcsec) = from_stars.seeing_arcsec.filter(|_| !options.is_seeing_known) {
                 optics.seeing_arcsec = seeing_arcsec;
@@ -189,6 +201,7 @@ pub fn measure_predictions(
         }
         let measured = of_chip.par_iter().map(|(number, prediction)| -> Result<Option<(usize, MeasuredPass)>, _> {
             watch.check()?;
+            let measure = MeasureOptions { neighbour_pix: prediction.neighbour_pix, ..measure };
             let (optics, measure) = width_of(prediction, optics, measure, options.measure.fit_width);
             let Some(measured) = measure_streak(&image, &prediction.streak, &optics, &measure)? else {
                 return Ok(None);
@@ -235,7 +248,11 @@ fn on_sky(
     if !prediction.is_position_known {
         measured.flags.push(Flag::Position);
     }
-    let ChipScale { scale, is_calibrated, sigma_mag } = *of_chip;
+    let ChipScale { scale, is_calibrated, sigma_mag, is_clipped } = *of_chip;
+    if is_clipped {
+        measured.flags.push(Flag::Clipped);
+        measured.flags.sort_unstable();
+    }
     let chip = &frame.chips[prediction.chip].chip;
     let [from_s, to_s] = measured.inside_s;
     let middle_s = 0.5 * (from_s + to_s);
@@ -258,14 +275,16 @@ fn on_sky(
         pixel_scale_arcsec: chip.pixel_scale_arcsec(),
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,
-        limit_mag: scale.magnitude(measured.rate_limit).filter(|_| prediction.is_position_known),
+        limit_mag: scale.magnitude(measured.rate_limit).filter(|_| prediction.is_position_known && !is_clipped),
         // The errors of size and form are proportional to the light, so they do not matter at the threshold.
-        faintest_mag: scale.magnitude(
-            measured.threshold
-                * (measured.rate.sigma.powi(2) - measured.size_sigma.powi(2) - measured.form_sigma.powi(2))
-                    .max(0.0)
-                    .sqrt(),
-        ),
+        faintest_mag: scale
+            .magnitude(
+                measured.threshold
+                    * (measured.rate.sigma.powi(2) - measured.size_sigma.powi(2) - measured.form_sigma.powi(2))
+                        .max(0.0)
+                        .sqrt(),
+            )
+            .filter(|_| !is_clipped),
         is_calibrated,
         zero_point_mag: scale.zero_point_mag(),
         zero_point_sigma_mag: sigma_mag,

@@ -159,6 +159,7 @@ pub fn measure_listed(
             }
         }
     }
+    set_neighbours(&mut predicted);
     let (measured, done) = measure_predictions(frame, &predicted, options, watch)?;
     let mut rows: Vec<Vec<ListedMeasurement>> = vec![Vec::new(); streaks.len()];
     let row = |streak: &ListedStreak, hdu, measured| ListedMeasurement {
@@ -244,6 +245,7 @@ fn placed(
         chip: number,
         image_fwhm_arcsec,
         size_m,
+        neighbour_pix: None,
         streak: PredictedStreak {
             path: extended(&path, EXTENSION_SIGMAS * cross_sigma_pix)?,
             drift_pix_s: [0.0; 2],
@@ -257,6 +259,41 @@ fn placed(
             radius_sigma_m: 0.5 * SIZE_SIGMA * model_m.unwrap_or(0.0),
         },
     }))
+}
+
+/// Sets the distance of each streak from the nearest other one beside it on the same chip.
+fn set_neighbours(predicted: &mut [Prediction]) {
+    let samples: Vec<Vec<PixelPosition>> = predicted.iter().map(|prediction| along(&prediction.streak)).collect();
+    for (index, own) in samples.iter().enumerate() {
+        let chip = predicted[index].chip;
+        let others = samples.iter().zip(&*predicted).enumerate();
+        let others = others.filter(|(other, (_, prediction))| *other != index && prediction.chip == chip);
+        let nearest = others.filter_map(|(_, (other, _))| distance_beside(own, other)).min_by(f64::total_cmp);
+        predicted[index].neighbour_pix = nearest;
+    }
+}
+
+/// Returns positions at equal times from one given end of a streak to the other.
+fn along(streak: &PredictedStreak) -> Vec<PixelPosition> {
+    const PARTS: u32 = 16;
+    let [from_s, to_s] = streak.ends_s.unwrap_or_default();
+    let time_s = |part: u32| from_s + (to_s - from_s) * f64::from(part) / f64::from(PARTS);
+    (0..=PARTS).map(|part| streak.path.point_at(time_s(part))).collect()
+}
+
+/// Returns the mean distance of the positions along a streak from the line through another one, of those that are beside
+/// that streak. `None` if none is.
+fn distance_beside(own: &[PixelPosition], other: &[PixelPosition]) -> Option<f64> {
+    let (first, last) = (other[0], other[other.len() - 1]);
+    let length = first.distance(last);
+    let [ex, ey] = [(last.x - first.x) / length, (last.y - first.y) / length];
+    let beside = own.iter().filter_map(|at| {
+        let [x, y] = [at.x - first.x, at.y - first.y];
+        (0.0..=length).contains(&(x * ex + y * ey)).then(|| (y * ex - x * ey).abs())
+    });
+    let (sum, count) = beside.fold((0.0, 0.0), |(sum, count), distance| (sum + distance, count + 1.0));
+    // Pieces of one line meet at their ends.
+    (count > 1.0).then(|| sum / count)
 }
 
 /// Returns a path that is longer by `pix` at both ends, along its direction there.

@@ -66,11 +66,20 @@ pub struct MeasureOptions {
     pub limit_sigmas: f64,
     /// If true, the width is a parameter of the flux fit; otherwise it is the given seeing.
     pub fit_width: bool,
+    /// Mean distance to the nearest other streak beside this one in a table, pixels. The corridor reaches half-way to it.
+    pub neighbour_pix: Option<f64>,
 }
 
 impl Default for MeasureOptions {
     fn default() -> Self {
-        Self { corridor_sigmas: 3.0, most_corridor_pix: 2000.0, false_alarm: 0.01, limit_sigmas: 3.0, fit_width: false }
+        Self {
+            corridor_sigmas: 3.0,
+            most_corridor_pix: 2000.0,
+            false_alarm: 0.01,
+            limit_sigmas: 3.0,
+            fit_width: false,
+            neighbour_pix: None,
+        }
     }
 }
 
@@ -80,6 +89,10 @@ impl Default for MeasureOptions {
 pub enum Flag {
     /// Pixels of the streak are saturated: the flux is a lower limit.
     Saturated,
+    /// The sky is cut off at the smallest value of the image: the flux is a lower limit, and there is no limit.
+    Clipped,
+    /// Another streak of a table is so near that the light of both is mixed.
+    Blended,
     /// The streak runs along the edge of the image.
     Edge,
     /// Stars or defects cover more than half of the streak. A streak of a table without any usable pixel is not measured.
@@ -107,6 +120,8 @@ impl Flag {
     pub fn name(self) -> &'static str {
         match self {
             Self::Saturated => "saturated",
+            Self::Clipped => "clipped",
+            Self::Blended => "blended",
             Self::Edge => "edge",
             Self::Masked => "masked",
             Self::Width => "width",

@@ -10,7 +10,8 @@
 //! errors. `streak` combines them into a [`StreakMeasurement`]; `measurement` defines this type and the inputs. `cut`
 //! returns the pixels along a measured track. `predict` computes the tracks of the satellites of a sky, `star_table`
 //! reads stars of known magnitude, `zero_point` measures these stars, `frame` measures whole files
-//! without the pixels that `bad_pixels` finds in masks and variances, `given` measures the streaks of a table,
+//! without the pixels that `bad_pixels` finds in masks and variances and with the values of saturation that `levels` finds,
+//! `given` measures the streaks of a table,
 //! `pass_prediction` corrects predicted magnitudes by earlier streaks of the same pass, and `table` creates the output
 //! tables.
 //!
@@ -63,6 +64,8 @@ mod fit;
 mod frame;
 #[cfg(all(feature = "fits", unix))]
 mod given;
+#[cfg(all(feature = "fits", unix))]
+mod levels;
 mod measurement;
 mod noise;
 #[cfg(all(feature = "fits", unix))]

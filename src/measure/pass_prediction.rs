@@ -11,7 +11,7 @@ use crate::photometry::{PassResidual, PassUpdate};
 
 /// Flags of streaks that correct no others: limits, fluxes of less than half of a streak, and streaks that may be of
 /// another satellite.
-const UNUSED_FLAGS: [Flag; 3] = [Flag::Saturated, Flag::Masked, Flag::Position];
+const UNUSED_FLAGS: [Flag; 4] = [Flag::Saturated, Flag::Clipped, Flag::Masked, Flag::Position];
 /// Largest number of earlier streaks that are used, the last ones.
 const MOST_OF_A_PASS: usize = 40;
 

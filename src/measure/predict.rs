@@ -72,6 +72,8 @@ pub struct Prediction {
     pub image_fwhm_arcsec: Option<f64>,
     /// Diameter with which the image is drawn, m; `None` if it is unknown, or if the width of the image is given or fitted.
     pub size_m: Option<f64>,
+    /// Mean distance to the nearest other streak beside this one in a table, pixels; `None` for a predicted track.
+    pub neighbour_pix: Option<f64>,
     /// Index of the chip in [`TargetFrame::chips`].
     pub chip: usize,
     /// Track in pixels with its errors.
@@ -130,6 +132,7 @@ pub fn predictions(
                     },
                     image_fwhm_arcsec: None,
                     size_m: Some(2.0 * streak.radius_m),
+                    neighbour_pix: None,
                     has_times: true,
                     is_position_known: pass.position_source != PositionSource::ElementSet
                         || of_known_age.is_known(pass.element_index, pass.element_age_days),

@@ -39,6 +39,15 @@ pub struct Extent {
     pub tilt_rad: f64,
     /// Largest delay or advance, seconds.
     pub late_s: f64,
+    /// Half of the distance to a neighbouring streak, pixels.
+    pub to_neighbour_pix: f64,
+}
+
+impl Extent {
+    /// Returns the largest distance from the predicted track at a distance along the track from its middle, pixels.
+    pub fn reach_pix(&self, along_pix: f64) -> f64 {
+        (self.across_pix + self.tilt_rad * along_pix.abs()).min(self.to_neighbour_pix)
+    }
 }
 
 /// Most significant position in the corridor.

@@ -17,6 +17,8 @@ use crate::streaks::{Optics, PathNode, RadialProfile, StreakPath, draw};
 /// Half width of the fit across the streak in FWHM, and its smallest value in pixels.
 const FIT_WIDTHS: f64 = 6.0;
 const LEAST_FIT_PIX: f64 = 10.0;
+/// Its smallest value beside another streak, FWHM.
+const LEAST_FIT_WIDTHS: f64 = 1.5;
 /// Length of a block along the track in FWHM, and its smallest value in pixels.
 const BLOCK_WIDTHS: f64 = 8.0;
 const LEAST_BLOCK_PIX: f64 = 32.0;
@@ -140,7 +142,11 @@ impl Measuring<'_> {
         } else {
             (ANGLE_ERROR_RAD + late_s * drift_rad_s).min(LARGEST_TILT_RAD[0])
         };
-        Extent { across_pix: (across_pix + self.profile.fwhm_pix()).min(options.most_corridor_pix), tilt_rad, late_s }
+        let fwhm_pix = self.profile.fwhm_pix();
+        // Two streaks nearer than their width are not resolved.
+        let to_neighbour_pix = options.neighbour_pix.filter(|pix| *pix >= fwhm_pix).map_or(f64::INFINITY, |pix| 0.5 * pix);
+        let across_pix = (across_pix + fwhm_pix).min(options.most_corridor_pix).min(to_neighbour_pix);
+        Extent { across_pix, tilt_rad, late_s, to_neighbour_pix }
     }
 
     /// Returns the path of a shifted streak while the shutter is open; `None` if it is too short.
@@ -196,7 +202,7 @@ impl Measuring<'_> {
         extent: &Extent,
         options: &MeasureOptions,
     ) -> Result<Option<StreakMeasurement>, Error> {
-        let found = &self.aligned(found);
+        let found = &self.aligned(found, extent);
         let corridor = &self.corridor;
         let cos = corridor.cos();
         // A shift along the minor axis is the sum of a shift across the track and one along the track.
@@ -219,7 +225,9 @@ impl Measuring<'_> {
         }
         let corridor = &self.corridor;
         let fwhm = self.profile.fwhm_pix().max(1.0);
-        let half_width = (((FIT_WIDTHS * fwhm).max(LEAST_FIT_PIX)) / cos).ceil() as usize;
+        // The fit ends between the streak and its neighbour.
+        let to_neighbour_pix = extent.to_neighbour_pix.max(LEAST_FIT_WIDTHS * fwhm);
+        let half_width = ((FIT_WIDTHS * fwhm).max(LEAST_FIT_PIX).min(to_neighbour_pix) / cos).ceil() as usize;
         let block = ((BLOCK_WIDTHS * fwhm).max(LEAST_BLOCK_PIX) * cos) as usize;
         let step = (CONTROL_STEP_WIDTHS * fwhm / cos).ceil().max(1.0) as isize;
         let first = (FIRST_CONTROL_WIDTHS * fwhm / cos).ceil() as isize;
@@ -272,7 +280,12 @@ impl Measuring<'_> {
         let Some(amplitude) = combined(&fits) else { return Ok(None) };
         let rest = without_streak(&band, &stars.mask, &drawn.template, &blocks);
         let pixel_sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
+        // The values of a constant frame differ only by rounding: its noise is unknown.
+        let largest = band.values.iter().copied().filter(|value| value.is_finite()).fold(0.0, |a: f32, b| a.max(b.abs()));
+        let rounding = f64::from(f32::EPSILON * largest);
+        let pixel_sigma = if (amplitude.squares / amplitude.freedom).sqrt() > rounding { pixel_sigma } else { f64::NAN };
         let controls = controls(&band, &rest, &stars, &drawn.template, &blocks, amplitude.weight, first, step);
+        let controls = controls.filter(|_| pixel_sigma.is_finite());
         let mut flags = Vec::new();
         let background_sigma = match controls {
             Some(sigma) => sigma / amplitude.weight.sqrt(),
@@ -315,6 +328,9 @@ impl Measuring<'_> {
         }
         if is_saturated {
             flags.push(Flag::Saturated);
+        }
+        if options.neighbour_pix.is_some_and(|pix| pix < FIT_WIDTHS * self.profile.fwhm_pix()) {
+            flags.push(Flag::Blended);
         }
         let (edge, masked) =
             shares(&band, &stars.mask, &drawn.template, self.image.light_area, (fwhm / cos).ceil() as usize);
@@ -372,8 +388,8 @@ impl Measuring<'_> {
     /// The search clips pixels at a few sigmas, which makes bright streaks seem wide, with the same light everywhere in
     /// this width. The brightest line is found in the median profile across the track of several parts of the track, by
     /// a robust line through their peaks. Without such a peak in at least three parts, and in more than half of the parts,
-    /// the position stays the same.
-    fn aligned(&self, found: &Found) -> Found {
+    /// the position stays the same. Peaks outside of the corridor are of other streaks.
+    fn aligned(&self, found: &Found, extent: &Extent) -> Found {
         let corridor = &self.corridor;
         let cos = corridor.cos();
         let fwhm = self.profile.fwhm_pix().max(1.0);
@@ -405,7 +421,17 @@ impl Measuring<'_> {
             let known: Vec<f64> = rows.iter().flatten().copied().collect();
             let (sky, noise) = median_and_sigma(&known);
             let value = |offset: usize| rows[offset].map_or(f64::NEG_INFINITY, |value| value - sky);
-            let Some(peak) = (0..height).max_by(|a, b| value(*a).total_cmp(&value(*b))) else { continue };
+            let index = columns.iter().sum::<usize>() as f64 / columns.len() as f64 - middle;
+            let track = found.minor_pix + found.slope * index - half as f64;
+            let reach_pix = extent.reach_pix(index / cos);
+            // The flank of a brighter streak beside the corridor is no peak.
+            let is_peak = |offset: &usize| {
+                ((*offset as f64 + track) * cos).abs() <= reach_pix
+                    && (*offset == 0 || value(*offset) >= value(*offset - 1))
+                    && (*offset + 1 == height || value(*offset) >= value(*offset + 1))
+            };
+            let peaks_inside = (0..height).filter(is_peak);
+            let Some(peak) = peaks_inside.max_by(|a, b| value(*a).total_cmp(&value(*b))) else { continue };
             if noise.is_nan() || value(peak) <= ALIGN_SIGMAS * noise {
                 continue;
             }
@@ -418,8 +444,7 @@ impl Measuring<'_> {
                 sum += light;
                 weighted += light * (offset as f64 - half as f64);
             }
-            let index = columns.iter().sum::<usize>() as f64 / columns.len() as f64;
-            peaks.push((index - middle, weighted / sum));
+            peaks.push((index, weighted / sum));
         }
         if peaks.len() < 3 || 2 * peaks.len() <= parts {
             return *found;

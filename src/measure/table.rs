@@ -34,7 +34,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         pass.direction.latitude_rad().to_degrees().into()
     }),
     TableField::new(
-        Column::real("magnitude", "mag", 4, "Measured magnitude; a bright limit if flags contain saturated."),
+        Column::real("magnitude", "mag", 4, "Measured magnitude; a bright limit if flags contain saturated or clipped."),
         |pass| pass.magnitude.map(|magnitude| magnitude.value).into(),
     ),
     TableField::new(
@@ -66,8 +66,8 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         pass.is_calibrated.into()
     }),
     TableField::new(
-        Column::real("zero_point_mag", "mag", 4, "Magnitude of a star whose pixels sum to 1; 0 if not calibrated."),
-        |pass| pass.zero_point_mag.into(),
+        Column::real("zero_point_mag", "mag", 4, "Magnitude of a star whose pixels sum to 1; empty if not calibrated."),
+        |pass| Some(pass.zero_point_mag).filter(|_| pass.is_calibrated).into(),
     ),
     TableField::new(
         Column::small("zero_point_sigma_mag", "mag", 4, "Error (one sigma) of a zero point from stars."),
@@ -266,8 +266,8 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         Column::new(
             "flags",
             Kind::List { separator: " " },
-            "Remarks: saturated, edge, masked, width, no_gain, pixel_noise, position; for streaks of a table also open, \
-             and masked, outside, short and no_ends for those that are not measured.",
+            "Remarks: saturated, clipped, edge, masked, width, no_gain, pixel_noise, position; for streaks of a table also \
+             blended and open, and masked, outside, short and no_ends for those that are not measured.",
         ),
         |pass| Value::List(pass.measured.flags.iter().map(|flag| flag.name().to_owned()).collect()),
     ),
@@ -348,7 +348,7 @@ pub struct ScoreObserver {
 /// Returns the measurements in the columns of the SCORE upload format, which `streakcast fit` also reads.
 ///
 /// Streaks that were not found have no magnitude, the limit in `limiting_magnitude` and a comment, as the format
-/// requires for non-detections. Saturated streaks, satellites of unknown position and instrumental magnitudes are
+/// requires for non-detections. Saturated and clipped streaks, satellites of unknown position and instrumental magnitudes are
 /// omitted, and so are streaks of tables that were not found, because their satellite may be elsewhere. The range is that
 /// of the prediction.
 pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserver) -> Table {
@@ -386,7 +386,8 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
             && pass.prediction.is_position_known
             && pass.prediction.satellite.norad_id.is_some()
             && if pass.measured.is_detected {
-                pass.magnitude.is_some() && !pass.measured.flags.contains(&Flag::Saturated)
+                let is_limit = |flag: &Flag| matches!(flag, Flag::Saturated | Flag::Clipped);
+                pass.magnitude.is_some() && !pass.measured.flags.iter().any(is_limit)
             } else {
                 pass.prediction.id.is_empty()
             }

@@ -1,6 +1,6 @@
 //! Zero point and seeing of an image from stars of known magnitude.
 
-use super::background::SIGMA_OF_MAD;
+use super::background::{SIGMA_OF_MAD, median_and_sigma};
 use super::measurement::{Estimate, StreakImage};
 use super::star_table::CatalogueStar;
 use crate::error::Error;
@@ -31,6 +31,16 @@ const NEIGHBOUR_MAG: f64 = 5.0;
 const LEAST_ERROR_MAG: f64 = 0.002;
 /// Stars beyond this number of sigmas of the median zero point are outliers.
 const OUTLIER_SIGMAS: f64 = 4.0;
+/// There is no zero point unless this share of the stars has light at their positions, and this share are no outliers.
+const LEAST_SHARE: f64 = 0.5;
+/// Largest scatter of the zero points from single stars, mag, also of magnitudes of a neighbouring band.
+const MOST_SCATTER_MAG: f64 = 0.5;
+/// Largest distance along rows and columns at which the light of misplaced stars is searched, pixels; number of stars
+/// whose surroundings are averaged for it; smallest mean light there, in sigmas of the noise of a pixel and of the
+/// average.
+const SEARCH_PIX: usize = 50;
+const MOST_SEARCHED: usize = 100;
+const SEARCH_SIGMAS: [f64; 2] = [1.0, 6.0];
 /// Range (relative to the assumed width) and number of the widths for which stars are drawn and compared with their
 /// images, and largest number of compared stars.
 const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
@@ -61,6 +71,12 @@ pub struct StarZeroPoint {
     pub faint: usize,
     /// Number of stars that differ from the median by more than four sigmas.
     pub outliers: usize,
+    /// Number of stars without light at their positions, if most stars have none.
+    pub misplaced: usize,
+    /// Number of stars outside of the illuminated pixels.
+    pub outside: usize,
+    /// Reason why there is no zero point although there are enough stars.
+    pub doubt: Option<String>,
 }
 
 impl StarZeroPoint {
@@ -72,11 +88,15 @@ impl StarZeroPoint {
             (self.blended, "blended"),
             (self.faint, "faint"),
             (self.outliers, "outliers"),
+            (self.misplaced, "without light at their positions"),
+            // A table may cover a larger area than a chip.
+            (if self.used == 0 { self.outside } else { 0 }, "outside of the frame"),
         ];
         let omitted: Vec<String> =
             omitted.iter().filter(|(count, _)| *count > 0).map(|(count, reason)| format!("{count} {reason}")).collect();
         let omitted = if omitted.is_empty() { "none".to_owned() } else { omitted.join(", ") };
-        format!("stars used: {}; omitted: {omitted}", self.used)
+        let doubt = self.doubt.iter().map(|doubt| format!("; {doubt}")).collect::<String>();
+        format!("stars used: {}; omitted: {omitted}{doubt}", self.used)
     }
 }
 
@@ -112,6 +132,7 @@ pub fn star_zero_point(
 ) -> Result<StarZeroPoint, Error> {
     let mut found = StarZeroPoint::default();
     let placed = placed(image, wcs, stars);
+    found.outside = stars.len() - placed.len();
     let star_profile = |seeing_arcsec: f64| -> Result<RadialProfile, Error> {
         // Stars are in focus.
         let stars = Optics { seeing_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, form: optics.form };
@@ -137,37 +158,46 @@ pub fn star_zero_point(
         _ => assumed,
     };
     let candidates = candidates(image, &placed, &profile, &mut found, watch)?;
-    let measured: Vec<(CatalogueStar, Aperture)> = candidates
+    let measured: Vec<(&StarCandidate, Aperture)> = candidates
         .iter()
-        .filter_map(|candidate| Some((candidate.star, candidate.stamp.light(image, &profile)?)))
+        .filter_map(|candidate| Some((candidate, candidate.stamp.light(image, &profile)?)))
         .collect();
     found.faint += candidates.len() - measured.len();
 
-    let zero_point = |(star, light): &(CatalogueStar, Aperture)| star.magnitude + 2.5 * light.flux.log10();
+    let zero_point =
+        |(candidate, light): &(&StarCandidate, Aperture)| candidate.star.magnitude + 2.5 * light.flux.log10();
     let bright = measured.iter().filter(|(_, light)| light.flux >= LEAST_SIGNAL_TO_NOISE * light.sigma);
     let first: Vec<f64> = bright.map(zero_point).collect();
     if first.is_empty() {
         found.faint += measured.len();
+        found.doubt = offset(image, &placed, profile.fwhm_pix()).map(|pix| misplaced(image, Some(pix)));
         return Ok(found);
     }
     let first = median(first);
     // Stars are selected by their expected light, because a selection by measured light would prefer stars that noise
     // makes brighter.
-    let (usable, faint): (Vec<_>, Vec<_>) = measured.into_iter().partition(|(star, light)| {
-        let expected = 10f64.powf(0.4 * (first - star.magnitude));
+    let (usable, faint): (Vec<_>, Vec<_>) = measured.into_iter().partition(|(candidate, light)| {
+        let expected = 10f64.powf(0.4 * (first - candidate.star.magnitude));
         expected >= LEAST_SIGNAL_TO_NOISE * light.sigma
     });
     found.faint += faint.len();
+    let all = usable.len();
+    let without_light = usable.iter().filter(|(candidate, _)| !candidate.stamp.is_found).count();
+    if without_light as f64 > LEAST_SHARE * all as f64 {
+        (found.misplaced, found.outliers) = (without_light, all - without_light);
+        found.doubt = Some(misplaced(image, offset(image, &placed, profile.fwhm_pix())));
+        return Ok(found);
+    }
     // Zero point from each star, with its error.
     let mut values: Vec<(f64, f64)> = usable
         .iter()
         .map(|measurement| {
-            let (star, light) = measurement;
+            let (candidate, light) = measurement;
             let sigma = 2.5 / std::f64::consts::LN_10 * light.sigma / light.flux;
-            (if light.flux > 0.0 { zero_point(measurement) } else { f64::NEG_INFINITY }, sigma.hypot(star.sigma_mag))
+            let value = if light.flux > 0.0 { zero_point(measurement) } else { f64::NEG_INFINITY };
+            (value, sigma.hypot(candidate.star.sigma_mag))
         })
         .collect();
-    let all = values.len();
     let mut statistics = robust(&values);
     for _ in 0..5 {
         let (middle, scatter) = statistics;
@@ -181,6 +211,15 @@ pub fn star_zero_point(
     found.outliers = all - values.len();
     found.used = values.len();
     if found.used >= LEAST_STARS {
+        let scatter_mag = statistics.1;
+        if (found.used as f64) < LEAST_SHARE * all as f64 || scatter_mag > MOST_SCATTER_MAG {
+            found.doubt = Some(format!(
+                "the zero points from single stars scatter by {scatter_mag:.2} mag and {} of {all} are outliers: the \
+                 magnitudes are not those of the stars at these positions, or of another band",
+                found.outliers
+            ));
+            return Ok(found);
+        }
         let own = median(values.iter().map(|(_, sigma)| *sigma).collect());
         // The median of n values of a normal distribution has the error σ √(π/2n). The scatter of few stars may be
         // small by chance, so the median of their own errors is the smallest accepted scatter.
@@ -188,6 +227,41 @@ pub fn star_zero_point(
         found.zero_point_mag = Some(Estimate { value: statistics.0, sigma: error.hypot(LEAST_ERROR_MAG) });
     }
     Ok(found)
+}
+
+/// Returns a sentence about stars without light at their positions.
+fn misplaced(image: &StreakImage<'_>, offset_pix: Option<f64>) -> String {
+    let place = offset_pix.map_or_else(String::new, |pix| {
+        format!("the light of the stars is {:.1} arcsec from their positions: ", pix * image.pixel_scale_arcsec)
+    });
+    format!("{place}the world coordinates of the frame or the positions of the stars (epoch) are wrong")
+}
+
+/// Returns the distance, pixels, of the light of stars from their positions if it is the same for most of them, as the
+/// peak of the average of their surroundings. `None` if this is less than the width of a star, or without such a peak.
+fn offset(image: &StreakImage<'_>, placed: &[(PixelPosition, CatalogueStar)], fwhm_pix: f64) -> Option<f64> {
+    let mut brightest: Vec<&(PixelPosition, CatalogueStar)> = placed.iter().collect();
+    brightest.sort_by(|a, b| a.1.magnitude.total_cmp(&b.1.magnitude));
+    brightest.truncate(MOST_SEARCHED);
+    let side = 2 * SEARCH_PIX + 1;
+    let mean = |index: usize| -> f64 {
+        let [down, right] = [index / side, index % side].map(|at| at as isize - SEARCH_PIX as isize);
+        let values = brightest.iter().filter_map(|(at, _)| {
+            let row = (at.y.round() as usize).checked_add_signed(down).filter(|row| *row < image.plane.rows())?;
+            let column = (at.x.round() as usize).checked_add_signed(right).filter(|at| *at < image.plane.columns())?;
+            let value = image.background.normalised(row, column, image.plane.row(row)[column]);
+            value.is_finite().then_some(f64::from(value))
+        });
+        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+        if 2.0 * count > brightest.len() as f64 { sum / count } else { f64::NAN }
+    };
+    let means: Vec<f64> = (0..side * side).map(mean).collect();
+    let (sky, noise) = median_and_sigma(&means.iter().copied().filter(|mean| mean.is_finite()).collect::<Vec<_>>());
+    let [least, sigmas] = SEARCH_SIGMAS;
+    let is_light = |(_, mean): &(usize, &f64)| **mean - sky > least.max(sigmas * noise);
+    let (peak, _) = means.iter().enumerate().filter(is_light).max_by(|a, b| a.1.total_cmp(b.1))?;
+    let [down, right] = [peak / side, peak % side].map(|at| at as f64 - SEARCH_PIX as f64);
+    Some(down.hypot(right)).filter(|pix| *pix > fwhm_pix)
 }
 
 /// Returns the median and the scatter of values.
@@ -309,6 +383,8 @@ struct Stamp {
     at: PixelPosition,
     /// Radius of the aperture, pixels.
     radius_pix: f64,
+    /// True if the centre is that of light near the expected position, false if it is the expected position.
+    is_found: bool,
 }
 
 impl Stamp {
@@ -337,12 +413,12 @@ impl Stamp {
             let is_found = sum > 0.0 && moved.distance(expected) <= fwhm_pix.max(2.0);
             let step_pix = moved.distance(at);
             at = if is_found { moved } else { expected };
-            stamp.at = at;
+            (stamp.at, stamp.is_found) = (at, is_found);
             if !is_found || step_pix < 0.01 {
                 break;
             }
         }
-        stamp = Self::read(image, at, radius_pix)?;
+        stamp = Self { is_found: stamp.is_found, ..Self::read(image, at, radius_pix)? };
         let is_complete = stamp.pixels(radius_pix).all(|(_, value)| value.is_finite());
         is_complete.then_some(stamp)
     }
@@ -362,7 +438,7 @@ impl Stamp {
         let (first, side) = (first.map(|first| first as usize), side as usize);
         let rows = first[1]..first[1] + side;
         let values = rows.flat_map(|row| image.plane.row(row)[first[0]..first[0] + side].iter().copied()).collect();
-        Some(Self { first, side, values, at, radius_pix })
+        Some(Self { first, side, values, at, radius_pix, is_found: false })
     }
 
     fn position(&self, index: usize) -> PixelPosition {

@@ -149,6 +149,26 @@ fn verif_zero_points() {
 }
 
 #[test]
+fn the_gain_of_counts_does_not_apply_to_a_flux() {
+    let of = |unit: &str| {
+        Calibration::from_headers(&[&Header::from_text(&format!("GAIN    = 1.5 / e-/ADU\nBUNIT   = '{unit}'"))])
+    };
+    for unit in ["MJy/sr", "MJy sr-1", "nJy", "Jy/beam", "erg/s/cm2/Angstrom", "erg s^-1 cm^-2 Hz^-1", "W m-2", "nanomaggy"] {
+        let found = of(unit);
+        let doubt = format!("GAIN is that of counts, the pixels are in {unit}");
+        assert_eq!((found.pixel_unit, found.doubtful_gain), (PixelUnit::Flux, Some(doubt)), "{unit}");
+    }
+    for unit in ["adu", "ADU/s", "DN", "counts", "count/s"] {
+        let found = of(unit);
+        assert_eq!((found.pixel_unit, found.doubtful_gain), (PixelUnit::Counts, None), "{unit}");
+    }
+    assert_eq!(of("e-/s").pixel_unit, PixelUnit::Electrons);
+    for unit in ["mag", "mag/arcsec2", "MAG(AB)"] {
+        assert_eq!(of(unit).pixel_unit, PixelUnit::Magnitudes, "{unit}");
+    }
+}
+
+#[test]
 fn verif_amplifiers_and_invalid_values() {
     let of = |text: &str| Calibration::from_headers(&[&Header::from_text(text)]);
     let pair = of("GAINA   = 3.9\nGAINB   = 4.1\nRDNOISEA= 6.0\nRDNOISEB= 7.0\nSATURATA= 46994.0\nSATURATB= 47770.0");

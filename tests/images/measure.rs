@@ -782,3 +782,78 @@ fn verif_a_bright_streak_beside_another_has_its_flux() {
         }
     }
 }
+
+/// Two given streaks beside each other, of which one is five times brighter, have their own fluxes and a flag.
+#[test]
+fn given_streaks_beside_each_other_do_not_take_the_same_light() {
+    /// Largest relative error of the flux, and light of the streaks per second.
+    const FLUX: f64 = 0.1;
+    const RATES: [f64; 2] = [10_000.0, 50_000.0];
+    const SIDE: usize = 400;
+    const LENGTH: f64 = 300.0;
+    let optics =
+        Optics { form: SeeingForm::Gaussian, seeing_arcsec: 4.0, outer_radius_m: 0.0, inner_radius_m: 0.0 };
+    let profile = optics.profile(600.0, 0.0, 1.0, 1.0).unwrap();
+    let line = |y: f64, beyond: f64, rate: f64| {
+        let node = |time_s: f64| {
+            PathNode::new(time_s, PixelPosition { x: 50.0 + LENGTH * time_s / 10.0, y: y + 2.0 * time_s }, rate)
+        };
+        StreakPath::new([-beyond, 10.0 + beyond].map(node).to_vec()).unwrap()
+    };
+    for (apart, cross_sigma_pix) in [(16.0, 0.5), (16.0, 3.0), (24.0, 3.0), (60.0, 3.0)] {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let mut plane = Plane::zeros(SIDE, SIDE);
+        let places = [150.0, 150.0 + apart];
+        for (y, rate) in places.iter().zip(RATES) {
+            draw(&line(*y, 0.0, rate), &profile, SIDE, SIDE).add_to(&mut plane);
+        }
+        for value in plane.values_mut() {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            *value += (800.0 + 20.0 * noise) as f32;
+        }
+        for (y, rate) in places.iter().zip(RATES) {
+            let predicted = PredictedStreak {
+                path: line(*y, 0.5, 1.0),
+                drift_pix_s: [0.0; 2],
+                lateness_sigma_s: 0.0,
+                largest_delay_s: 0.0,
+                ends_s: Some([0.0, 10.0]),
+                cross_sigma_pix,
+                range_km: 600.0,
+                radius_m: 0.0,
+                radius_sigma_m: 0.0,
+            };
+            let options = MeasureOptions { neighbour_pix: Some(apart), ..options() };
+            let light_area = LightArea::whole(SIDE, SIDE);
+            let measured = measure(&plane, &light_area, &predicted, &optics, &options).unwrap();
+            let ratio = measured.rate.value / rate;
+            println!("{apart} {cross_sigma_pix}: {ratio} {:?} {:?}", measured.flags, measured.offset_pix);
+            assert!((ratio - 1.0).abs() <= FLUX && measured.offset_pix.value.abs() < 1.0, "{apart}: {ratio}");
+            assert_eq!(measured.flags.contains(&Flag::Blended), apart <= 24.0, "{apart}");
+        }
+    }
+}
+
+#[test]
+fn a_constant_frame_has_no_limit() {
+    for level in [0.0, 1.0, 1000.7] {
+        let mut plane = Plane::zeros(200, 300);
+        plane.values_mut().fill(level);
+        let node = |time_s: f64| PathNode::new(time_s, PixelPosition { x: 30.0 * time_s, y: 100.0 + time_s }, 1.0);
+        let predicted = PredictedStreak {
+            path: StreakPath::new([-2.0, 12.0].map(node).to_vec()).unwrap(),
+            drift_pix_s: [0.0; 2],
+            lateness_sigma_s: 0.1,
+            largest_delay_s: 1.0,
+            ends_s: None,
+            cross_sigma_pix: 1.0,
+            range_km: 600.0,
+            radius_m: 0.0,
+            radius_sigma_m: 0.0,
+        };
+        let optics =
+            Optics { form: SeeingForm::Gaussian, seeing_arcsec: 2.0, outer_radius_m: 0.0, inner_radius_m: 0.0 };
+        let measured = measure(&plane, &LightArea::whole(200, 300), &predicted, &optics, &options()).unwrap();
+        assert!(!measured.is_detected && measured.rate_limit.is_nan() && measured.rate.sigma.is_nan(), "{measured:?}");
+    }
+}

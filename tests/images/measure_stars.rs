@@ -43,6 +43,8 @@ struct Case {
     /// Stars that are not in the table, in a million pixels.
     other_stars: f64,
     seed: u64,
+    /// Error of the declinations in the table, arcsec.
+    shift_arcsec: f64,
 }
 
 /// Positions in pixels and magnitudes of stars of the table.
@@ -98,7 +100,9 @@ fn measured(
     let (plane, wcs) = sky.expose(&shot).unwrap();
     let mut table = StarTable::read(list.path()).unwrap().in_band(Some("V")).unwrap();
     table.iter_mut().enumerate().for_each(|(index, star)| {
-        *star = CatalogueStar { magnitude: table_mag(index, star.magnitude), ..*star };
+        let latitude_rad = star.direction.latitude_rad() + (case.shift_arcsec / 3600.0).to_radians();
+        let direction = Direction::from_lon_lat_rad(star.direction.longitude_rad(), latitude_rad);
+        *star = CatalogueStar { magnitude: table_mag(index, star.magnitude), direction, ..*star };
     });
     let light_area = LightArea::whole(SIDE, SIDE);
     let image = StreakImage {
@@ -122,7 +126,7 @@ fn verif_zero_points_of_stars_are_unbiased_and_errors_are_honest() {
         for form in [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 3.5 }] {
             for other_stars in [0.0, 300.0] {
                 for repeat in 0..if is_all() { 4 } else { 2 } {
-                    cases.push(Case { seeing_pix, form, other_stars, seed: 100 * cases.len() as u64 + repeat });
+                    cases.push(Case { seeing_pix, form, other_stars, seed: 100 * cases.len() as u64 + repeat, shift_arcsec: 0.0 });
                 }
             }
         }
@@ -167,7 +171,7 @@ fn verif_zero_points_of_stars_are_unbiased_and_errors_are_honest() {
 /// A given seeing that is wrong by a large factor is noticed: the width of the stars is measured all the same.
 #[test]
 fn verif_the_width_of_stars_is_measured_far_from_the_given_seeing() {
-    let case = Case { seeing_pix: 6.0, form: SeeingForm::Gaussian, other_stars: 0.0, seed: 91 };
+    let case = Case { seeing_pix: 6.0, form: SeeingForm::Gaussian, other_stars: 0.0, seed: 91, shift_arcsec: 0.0 };
     let stars = scattered(40, 92);
     for assumed in [1.0, 2.0] {
         let found = measured(&case, &stars, |_, magnitude| magnitude, Some(assumed));
@@ -182,7 +186,7 @@ fn verif_the_width_of_stars_is_measured_far_from_the_given_seeing() {
 fn verif_the_width_of_undersampled_stars_is_measured() {
     for (seeing_pix, largest_error) in NARROW_SEEING_ERRORS {
         for form in [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 3.5 }] {
-            let case = Case { seeing_pix, form, other_stars: 0.0, seed: 93 };
+            let case = Case { seeing_pix, form, other_stars: 0.0, seed: 93, shift_arcsec: 0.0 };
             let found = measured(&case, &scattered(60, 94), |_, magnitude| magnitude, Some(seeing_pix));
             let (seeing, zero_point) = (found.seeing_arcsec.unwrap_or(f64::NAN), found.zero_point_mag.unwrap());
             println!("{seeing_pix} {form:?}: {seeing:.3}, {:+.4}", zero_point.value - true_zero_point_mag());
@@ -194,7 +198,7 @@ fn verif_the_width_of_undersampled_stars_is_measured() {
 
 #[test]
 fn stars_that_cannot_be_used_are_counted() {
-    let case = Case { seeing_pix: 3.0, form: SeeingForm::Moffat { beta: 3.5 }, other_stars: 0.0, seed: 7 };
+    let case = Case { seeing_pix: 3.0, form: SeeingForm::Moffat { beta: 3.5 }, other_stars: 0.0, seed: 7, shift_arcsec: 0.0 };
     // A grid of 20 good stars, then 2 saturated ones, 3 at the edge, 2 beside each other, 2 faint ones, and 3 whose
     // magnitudes in the table are wrong by one magnitude. One star is outside the frame.
     let grid = |index: usize, magnitude: f64| {
@@ -222,4 +226,29 @@ fn stars_that_cannot_be_used_are_counted() {
     assert!(few.zero_point_mag.is_none() && few.used == 2, "{few:?}");
     let none = measured(&case, &stars[24..25], |_, magnitude| magnitude, Some(3.0));
     assert!(none.zero_point_mag.is_none() && none.used == 0, "{none:?}");
+}
+
+#[test]
+fn stars_that_are_not_at_their_positions_give_no_zero_point() {
+    let form = SeeingForm::Gaussian;
+    for (shift_arcsec, other_stars) in [(8.0, 0.0), (-8.0, 0.0), (30.0, 0.0), (8.0, 300.0)] {
+        let case = Case { seeing_pix: 3.0, form, other_stars, seed: 95, shift_arcsec };
+        for assumed in [None, Some(3.0)] {
+            let found = measured(&case, &scattered(40, 96), |_, magnitude| magnitude, assumed);
+            assert!(found.zero_point_mag.is_none() && found.used == 0, "{shift_arcsec}: {found:?}");
+            let place = format!("the light of the stars is {:.1} arcsec from their positions", shift_arcsec.abs());
+            assert!(found.counts().contains(&place), "{shift_arcsec}: {}", found.counts());
+        }
+    }
+    // An error within the reach of the centroid.
+    let case = Case { seeing_pix: 3.0, form, other_stars: 0.0, seed: 95, shift_arcsec: 1.0 };
+    let found = measured(&case, &scattered(40, 96), |_, magnitude| magnitude, None);
+    assert!((found.zero_point_mag.unwrap().value - true_zero_point_mag()).abs() <= BIAS_MAG, "{found:?}");
+    // A table of magnitudes that are those of other stars.
+    let found = measured(&case, &scattered(40, 96), |index, _| 11.5 + 0.1 * (index * 17 % 40) as f64, None);
+    assert!(found.zero_point_mag.is_none() && found.counts().contains("scatter by"), "{found:?}");
+    // A table of another field.
+    let case = Case { shift_arcsec: 3600.0, ..case };
+    let found = measured(&case, &scattered(40, 96), |_, magnitude| magnitude, None);
+    assert_eq!(found.counts(), "stars used: 0; omitted: 40 outside of the frame");
 }

@@ -98,6 +98,7 @@ def test_invalid_arguments_are_named(frame, model, tmp_path):
         ({"seeing": "0arcsec"}, "seeing"),
         ({"gain": 0.0}, "gain is 0"),
         ({"gain": np.nan}, "gain is nan"),
+        ({"saturation": -1.0}, "saturation is -1"),
         ({"hdu": 7}, "7"),
         ({"hdu": [0, -1]}, "hdu is -1; allowed: 0 or more"),
         ({"stars": "missing.csv"}, "missing.csv"),

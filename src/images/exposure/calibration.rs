@@ -41,9 +41,16 @@ pub enum PixelUnit {
     Counts,
     /// Electrons.
     Electrons,
-    /// Calibrated flux, for example in nanomaggies or janskys.
+    /// Calibrated flux, flux density or surface brightness, for example in nanomaggies, janskys or MJy/sr.
     Flux,
+    /// Magnitudes, which are no light that can be added.
+    Magnitudes,
 }
+
+/// Parts of units of flux, flux density and surface brightness, in lower case and without spaces, brackets, `*` and `^`.
+const FLUXES: [&str; 12] = [
+    "nanomagg", "nmgy", "jy", "jansky", "erg", "watt", "w/m2", "wm-2", "w.m-2", "/sr", "sr-1", "/arcsec2",
+];
 
 /// Parses BUNIT. Returns the unit, and true if it is a unit per second.
 fn parsed_unit(text: &str) -> (PixelUnit, bool) {
@@ -53,7 +60,8 @@ fn parsed_unit(text: &str) -> (PixelUnit, bool) {
     let name = bare.unwrap_or(&unit).trim_end_matches(['.', '/']);
     let kind = match name {
         "e" | "e-" | "electron" | "electrons" | "photon" | "photons" => PixelUnit::Electrons,
-        "nanomaggy" | "nanomaggies" | "nmgy" | "jy" | "mjy" | "ujy" | "njy" | "microjy" | "nanojy" => PixelUnit::Flux,
+        _ if name.starts_with("mag") => PixelUnit::Magnitudes,
+        _ if FLUXES.iter().any(|part| name.contains(part)) => PixelUnit::Flux,
         _ => PixelUnit::Counts,
     };
     (kind, bare.is_some())
@@ -110,6 +118,14 @@ impl Calibration {
         let (gain_e_adu, doubtful_gain) = match gain(keywords) {
             Ok(gain) => (gain, None),
             Err(doubt) => (None, Some(doubt)),
+        };
+        // The header of a calibrated frame often still has the gain of the raw counts.
+        let doubtful_gain = match (&gain_e_adu, pixel_unit) {
+            (Some(gain), PixelUnit::Flux) => {
+                let unit = keywords.text(&["BUNIT"]).map(|(_, unit)| unit).unwrap_or_default();
+                Some(format!("{} is that of counts, the pixels are in {unit}", gain.keyword))
+            }
+            _ => doubtful_gain,
         };
         Self {
             zero_point: zero_point(keywords),

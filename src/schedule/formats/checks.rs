@@ -43,15 +43,8 @@ const COUNTS: &[&str] = &[
     "numberofexposures",
     "exposures",
     "exposurecount",
-<<<<<<< HEAD
-    "exposures",
     "nsub",
-    "nsubs",
     "numsubs",
-    "subs",
-=======
-    "count",
->>>>>>> ho
     "nsubexp",
     "nsubexposures",
     "subexposures",
@@ -92,11 +85,7 @@ const COUNTS: &[&str] = &[
     "count",
 ];
 /// Those that are also names of columns of text, such as kinds of frames.
-<<<<<<< HEAD
 const ALSO_TEXTS: &[&str] = &["exposures", "frames", "loops", "repeat", "repeats", "snaps", "stack", "subs"];
-=======
-const ALSO_TEXTS: &[&str] = &["exposures", "frames", "repeat", "repeats", "snaps", "subs"];
->>>>>>> ho
 /// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by less
 /// than 0.1 arcsec. Other texts may be the numbers, names or types of frames.
 const OTHER_FRAMES: &[&str] = &[
@@ -332,7 +321,6 @@ mod tests {
             ("numExposures", "2", "numExposures is 2; allowed: 1"),
             ("exposure_count", "2", "exposure_count is 2; allowed: 1"),
             ("NDIT", "10", "NDIT is 10; allowed: 1"),
-<<<<<<< HEAD
             ("num_images", "3", "num_images is 3; allowed: 1"),
             ("nsnap", "2", "nsnap is 2; allowed: 1"),
             ("Exp_Count", "4", "Exp_Count is 4; allowed: 1"),
@@ -340,11 +328,8 @@ mod tests {
             ("nloops", "5", "nloops is 5; allowed: 1"),
             ("stack", "10", "stack is 10; allowed: 1"),
             ("subs", "2.0", "subs is 2.0; allowed: 1"),
-=======
             ("count", "20", "count is 20; allowed: 1"),
             ("exposures", "20", "exposures is 20; allowed: 1"),
-            ("Subs", "20", "Subs is 20; allowed: 1"),
->>>>>>> ho
             ("number_of_exposures", "3", "number_of_exposures is 3; allowed: 1"),
         ] {
             let reason = with(name, text).unwrap_or_default();

@@ -27,6 +27,8 @@ pub struct FrameOverrides {
     pub zero_point: Option<(f64, CountBasis)>,
     /// Gain, electrons per count.
     pub gain_e_adu: Option<f64>,
+    /// Count at which a pixel is saturated, in the unit of the frame.
+    pub saturation: Option<f64>,
     /// Side of a pixel, arcsec; used for random streaks in frames without world coordinates.
     pub pixel_scale_arcsec: Option<f64>,
 }
@@ -192,6 +194,10 @@ fn target_chip(
     path: &str,
 ) -> Result<TargetChip, Error> {
     let calibration = Calibration::from_headers(&[file.header(hdu)?, file.header(0)?]);
+    if let (PixelUnit::Magnitudes, Some(unit)) = (calibration.pixel_unit, &calibration.unit) {
+        let allowed = "a unit of light, such as adu, electron or Jy";
+        return Err(Error::invalid("BUNIT", format_args!("'{}'", unit.value), allowed).in_hdu(path.as_ref(), hdu));
+    }
     let (mag, basis) = match (overrides.zero_point, &calibration.zero_point) {
         (Some(given), _) => given,
         (None, Some(stated)) => match stated.basis {
@@ -226,7 +232,7 @@ fn target_chip(
     // The header of a frame in electrons or in a calibrated flux often still contains the gain of the raw counts.
     let gain_e_adu = overrides.gain_e_adu.or(match calibration.pixel_unit {
         PixelUnit::Electrons => Some(1.0),
-        PixelUnit::Flux => None,
+        PixelUnit::Flux | PixelUnit::Magnitudes => None,
         PixelUnit::Counts => calibration.gain_e_adu.map(|gain| gain.value),
     });
     let is_rate = calibration.is_rate;
@@ -235,7 +241,9 @@ fn target_chip(
         electrons_per_unit: gain_e_adu.map(|gain| if is_rate { gain * exposure_s } else { gain }),
         whole_range: info.format.whole_range(),
         variance_hdu: variance_of(file, hdu)?,
-        saturation: calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate),
+        saturation: overrides
+            .saturation
+            .or(calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate)),
     })
 }
 

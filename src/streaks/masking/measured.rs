@@ -51,7 +51,7 @@ pub struct MeasuredStreak {
     pub late_s: Option<(f64, f64)>,
     /// Seeing that the width of the streak implies, arcsec.
     pub seeing_arcsec: Option<f64>,
-    /// True if pixels of the streak are saturated: `rate` is a lower limit.
+    /// True if pixels of the streak are saturated, or its sky is cut off: `rate` is a lower limit.
     pub is_saturated: bool,
 }
 
@@ -114,7 +114,7 @@ pub fn read_measured_streaks(path: &Path) -> Result<MeasuredTable, Error> {
             tilt_rad: if given.is_some() { 0.0 } else { number(tilt)?.to_radians() },
             late_s,
             seeing_arcsec: optional(seeing)?.filter(|seeing| *seeing > 0.0),
-            is_saturated: row.text(flags).contains("saturated"),
+            is_saturated: ["saturated", "clipped"].iter().any(|flag| row.text(flags).contains(flag)),
         });
     }
     Ok(table)
@@ -200,5 +200,26 @@ impl MeasuredStreak {
             let (direction, range_km) = sight(time_s, late_s);
             (Direction::from_vector(rotation * direction.vector()), range_km)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn found_streaks_of_no_satellite_are_named() {
+        let table = tempfile::NamedTempFile::new().unwrap();
+        let cells = "true,2026-04-25T21:00:00Z,10,20,5,0.1,0,,,2";
+        let text = format!(
+            "streak,image,hdu,norad_id,detected,mid_utc,ra_deg,dec_deg,rate,offset_sigma_pix,tilt_deg,late_s,\
+             late_sigma_s,seeing_arcsec,flags\nA,a.fits,0,,{cells},\nB,a.fits,0,25544,{cells},clipped\n\
+             C,a.fits,0,,{}\nD,a.fits,0,,,,,,,,,,,,outside\n",
+            cells.replace("true", "false") + ","
+        );
+        std::fs::write(table.path(), text).unwrap();
+        let found = read_measured_streaks(table.path()).unwrap();
+        assert_eq!(found.without_satellite, [["a.fits", "A"]]);
+        assert!(matches!(&found.streaks[..], [one] if one.norad_id.0 == 25544 && one.is_saturated), "{found:?}");
     }
 }

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 #: Flags of measurements from which nothing is learned.
-_DOUBTFUL = frozenset(("saturated", "masked", "position"))
+_DOUBTFUL = frozenset(("saturated", "clipped", "masked", "position"))
 _MEASUREMENTS = Main(("name", "detected", "limit_magnitude"), ("magnitude", "magnitude_sigma"))
 _STREAKS = Main(("streak", "name", "detected", "limit_magnitude"), ("magnitude", "magnitude_sigma"))
 
@@ -98,6 +98,7 @@ class MeasureQueries(ExposureQueries):
         zero_point: FloatLike | None = None,
         zero_point_1s: FloatLike | None = None,
         gain: FloatLike | None = None,
+        saturation: FloatLike | None = None,
         band: str | None = None,
         telescope: PathLike | Options | None = None,
         table: Output = "auto",
@@ -146,6 +147,9 @@ class MeasureQueries(ExposureQueries):
             default: from the header. Without any zero point, magnitudes are instrumental.
         gain : float or `~astropy.units.Quantity`, optional
             Electrons per count; default: from the header.
+        saturation : float or `~astropy.units.Quantity`, optional
+            Value at which pixels are saturated, in the unit of the frame; default: from the header, or else the largest
+            value of the frame if pixels pile up there.
         band : str, optional
             Band of the magnitudes; default: filter in the header, or else the model's band.
         telescope : path or dict, optional
@@ -176,8 +180,8 @@ class MeasureQueries(ExposureQueries):
         measurements, warnings = _measure(
             frames, streaks, (self._state["setup"], self._state["config"], sky_cache), place_sigma=place_sigma, header=header,
             start=start, exposure=exposure, hdu=hdu, seeing=seeing, fit_width=fit_width, psf=psf, satellite_size=satellite_size,
-            stars=stars, star_colours=star_colours, zero_point=zero_point, zero_point_1s=zero_point_1s, gain=gain, band=band,
-            telescope=telescope, table=table,
+            stars=stars, star_colours=star_colours, zero_point=zero_point, zero_point_1s=zero_point_1s, gain=gain,
+            saturation=saturation, band=band, telescope=telescope, table=table,
         )  # fmt: skip
         self._warn_once(warnings)
         return measurements
@@ -246,6 +250,7 @@ def _measure(
     zero_point: FloatLike | None = None,
     zero_point_1s: FloatLike | None = None,
     gain: FloatLike | None = None,
+    saturation: FloatLike | None = None,
     band: str | None = None,
     telescope: PathLike | Options | None = None,
     table: Output = "auto",
@@ -264,6 +269,7 @@ def _measure(
         star_colours=None if star_colours is None else ",".join(repr(scalar(one, "mag", "star_colours")) for one in star_colours),
         zero_point=_scalar(zero_point, "mag", "zero_point"),
         zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"), gain=_scalar(gain, "electron/adu", "gain"),
+        saturation=_scalar(saturation, "adu", "saturation"),
     )  # fmt: skip
     if start is not None:
         request["start"] = start if isinstance(start, str) and scale is None else _moment(start, scale)

@@ -287,6 +287,7 @@ class MeasureOptions(TypedDict, total=False):
     zero_point: FloatLike | None
     zero_point_1s: FloatLike | None
     gain: FloatLike | None
+    saturation: FloatLike | None
     band: str | None
     telescope: PathLike | Options | None
     table: Output
