@@ -21,8 +21,8 @@ use crate::frames::seconds_after;
 use crate::output::{Provenance, Table, counted};
 use crate::streaks::{
     ChosenPlanes, FrameMask, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, PlaneChoice,
-    StreakOrigin, TargetFrame, UnusedReason, corridor_table, left_out_table, mask_frame, mask_history,
-    is_same_file_name, missing_zero_point, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
+    StreakOrigin, TargetFrame, UnusedReason, corridor_table, is_same_file_name, left_out_table, mask_frame,
+    mask_history, missing_zero_point, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
 };
 use crate::watch::Watch;
 
@@ -237,9 +237,10 @@ impl MaskConfig {
             warnings.push(format!("{streaks} of other frames"));
         }
         for (path, table) in config.measured.iter().zip(&tables) {
-            let of_frames = table.without_satellite.iter().filter(|[image, _]| {
-                done.iter().any(|masked| is_same_file_name(image, masked.frame.file.path()))
-            });
+            let of_frames = table
+                .without_satellite
+                .iter()
+                .filter(|[image, _]| done.iter().any(|masked| is_same_file_name(image, masked.frame.file.path())));
             let names: Vec<String> = of_frames.map(|[_, name]| name.clone()).collect();
             if !names.is_empty() {
                 warnings.push(format!(

@@ -370,7 +370,11 @@ pub fn light_curve_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>) -> Tab
 }
 
 const READABLE_COLUMNS: [Column; 21] = [
-    Column::new("date", Kind::Text, "Local date of the brightest visible point, or of the start if no magnitude is known."),
+    Column::new(
+        "date",
+        Kind::Text,
+        "Local date of the brightest visible point, or of the start if no magnitude is known.",
+    ),
     Column::new("satellite", Kind::Text, "Name of the satellite."),
     Column::real("magnitude", "mag", 1, "Magnitude at the brightest point."),
     Column::real("sigma", "mag", 1, "One sigma of the magnitude."),

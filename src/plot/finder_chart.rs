@@ -127,7 +127,8 @@ pub fn finder_chart(input: &FinderChart<'_>) -> Result<Picture, Error> {
     };
     let interval_s = track.longest_interval_s();
     if known_step_s(interval_s) > step_s {
-        caption += &format!("Events between start and end: within {} (the step of the light curve). ", seconds(interval_s));
+        caption +=
+            &format!("Events between start and end: within {} (the step of the light curve). ", seconds(interval_s));
     }
     if track.magnitude.iter().any(|magnitude| !magnitude.is_finite()) {
         caption += "Dashed: not visible. ";

@@ -207,7 +207,8 @@ impl SkyTrack {
         let at = |column: &[f64]| brightest.map_or(f64::NAN, |point| column[point]);
         let (first, last) = (self.time_mjd[0], self.time_mjd[self.time_mjd.len() - 1]);
         let [rise, set] = [first, last].map(|mjd| clock(mjd + ahead_days, known_step_s(self.time_sigma_s)));
-        let peak = brightest.map_or_else(String::new, |point| clock(self.time_mjd[point] + ahead_days, self.event_step_s(point)));
+        let peak = brightest
+            .map_or_else(String::new, |point| clock(self.time_mjd[point] + ahead_days, self.event_step_s(point)));
         let altitude = brightest.map_or_else(String::new, |point| format!("{:.0}°", self.altitude_deg[point]));
         vec![self.name.clone(), rise, set, peak, altitude, magnitude_text(at(&self.magnitude), at(&self.sigma_mag))]
     }

@@ -138,10 +138,11 @@ impl TargetCells {
         let position = |cell: &Cell, what: &str, example: &str| {
             cell.text().ok_or_else(|| format!("{what} is missing; allowed: degrees, or text such as {example}"))
         };
-        let right_ascension_deg = parse_right_ascension_deg(&position(&self.right_ascension, "right ascension", "12h34m")?)
+        let right_ascension_deg =
+            parse_right_ascension_deg(&position(&self.right_ascension, "right ascension", "12h34m")?)
+                .map_err(|e| e.to_string())?;
+        let declination_deg = parse_declination_deg(&position(&self.declination, "declination", "-30d30m")?)
             .map_err(|e| e.to_string())?;
-        let declination_deg =
-            parse_declination_deg(&position(&self.declination, "declination", "-30d30m")?).map_err(|e| e.to_string())?;
         let duration_s = match (&self.exposure, duration_s) {
             (Cell::Missing, Some(duration_s)) => duration_s,
             (Cell::Missing, None) => return Err("exposure is missing; allowed: seconds, or --exposure TIME".to_owned()),
@@ -217,7 +218,10 @@ mod tests {
         let exposure = &targets[0].target.as_ref().unwrap().exposure;
         assert!((exposure.pointing.longitude_rad().to_degrees() - 10.683_333).abs() < 1e-5);
         assert_eq!((exposure.duration_s, targets[0].unique_id.as_str()), (300.0, "M 31"));
-        assert_eq!(targets[1].target, Err("right ascension is missing; allowed: degrees, or text such as 12h34m".into()));
+        assert_eq!(
+            targets[1].target,
+            Err("right ascension is missing; allowed: degrees, or text such as 12h34m".into())
+        );
         assert!(targets[2].target.as_ref().unwrap_err().contains("-3 s; allowed: above 0 to 86400"));
         let json = r#"{"targets": [{"unique_id": 7, "starname": "HD 1", "ra_deg": 10.5, "dec_deg": -3, "band": "r"}]}"#;
         let target = read("t.json", json, Some(30.0)).unwrap().remove(0);

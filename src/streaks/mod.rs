@@ -90,8 +90,8 @@ pub use light::{
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use masking::{
     ChosenPlanes, LeftOutReason, MaskBit, MeasuredStreak, PlaneChoice, StreakOrigin, UnusedReason, corridor_table,
-    left_out_table, is_same_file_name, mask_history, missing_zero_point, read_measured_streaks, region_file, write_mask_file,
-    write_mask_planes,
+    is_same_file_name, left_out_table, mask_history, missing_zero_point, read_measured_streaks, region_file,
+    write_mask_file, write_mask_planes,
 };
 pub use optics::{Optics, SeeingForm};
 pub use psf::Seeing;

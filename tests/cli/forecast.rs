@@ -524,3 +524,29 @@ fn help_names_every_format() {
         assert!(help.contains(format), "{format}: {help}");
     }
 }
+
+/// The date is that of the brightest time, beside which it is printed, if the pass begins before midnight.
+#[test]
+fn dates_are_those_of_the_brightest_time() {
+    let answer = json(&[NIGHT, SKY, PLANES]);
+    let minute = |pass: &Value, name: &str| pass[name].as_str().unwrap()[..16].to_owned();
+    let passes = answer["passes"].as_array().unwrap().iter();
+    let pass = passes.into_iter().find(|pass| minute(pass, "begin_utc") < minute(pass, "peak_utc")).unwrap();
+    // The minute of the brightest time is the first one of a local day.
+    let peak = minute(pass, "peak_utc");
+    let [hours, minutes] = [11..13, 14..16].map(|digits| peak[digits].parse::<u32>().unwrap());
+    let (ahead_min, sign) = match 60 * hours + minutes {
+        minutes @ ..=720 => (minutes, '-'),
+        minutes => (1440 - minutes, '+'),
+    };
+    let zone = format!("{sign}{:02}:{:02}", ahead_min / 60, ahead_min % 60);
+    let day = peak[8..10].parse::<u32>().unwrap() + u32::from(sign == '+');
+    let [start, end] = ["rise_utc", "set_utc"].map(|name| pass[name].as_str().unwrap().to_owned());
+    let id = pass["norad_id"].to_string();
+    let table = done(&[
+        &["forecast", "--start", &start, "--end", &end, "--time-zone", &zone, "--norad", &id, "--format", "table"],
+        SKY,
+    ]);
+    let date = format!("{}{day:02}", &peak[..8]);
+    assert!(table.lines().any(|line| line.trim_start().starts_with(&date)), "{date} {zone}: {table}");
+}

@@ -222,8 +222,14 @@ fn verif_invalid_tables_name_file_row_column_and_allowed_values() {
         ),
         (format!("{ENDS},magnitude,hdu\n1,2,3,4,9,7\n"), "line 2: hdu is 7; allowed: HDU 0 of"),
         (format!("{ENDS},magnitude,size_m\n1,2,3,4,9,7\n"), "line 2: size_m is '7'; allowed: with range_km"),
-        (format!("{ENDS},magnitude,enter_utc\n1,2,3,4,9,2026-01-01T00:00:00Z\n"), " s after the opening of the shutter; allowed: 0 to "),
-        ("ra1,dec1,ra2,dec2,magnitude\n10:00:07.8,91:00:00,10:00:07,20,9\n".to_owned(), "line 2: dec1_deg is '91:00:00'; allowed: -90 to 90, or text such as -30d30m15s"),
+        (
+            format!("{ENDS},magnitude,enter_utc\n1,2,3,4,9,2026-01-01T00:00:00Z\n"),
+            " s after the opening of the shutter; allowed: 0 to ",
+        ),
+        (
+            "ra1,dec1,ra2,dec2,magnitude\n10:00:07.8,91:00:00,10:00:07,20,9\n".to_owned(),
+            "line 2: dec1_deg is '91:00:00'; allowed: -90 to 90, or text such as -30d30m15s",
+        ),
         (format!("{ENDS},magnitude,enter_s,exit_s\n1,2,3,4,9,20,10\n"), "line 2: exit_s is 10 s; allowed: later"),
         (format!("{ENDS},magnitude,light_curve\n1,2,3,4,9,none.csv\n"), "none.csv: light curve:"),
         (format!("{ENDS},magnitude\n"), "number of streaks is 0; allowed: 1 or more"),

@@ -190,7 +190,11 @@ fn lists_in_every_syntax_give_the_same_windows() {
         answer["targets"].as_array().unwrap().iter().map(|one| one["reason"].as_str().unwrap_or("")).collect();
     assert_eq!(
         reasons,
-        ["", "right ascension is missing; allowed: degrees, or text such as 12h34m", "never above the lowest altitude in the dark"]
+        [
+            "",
+            "right ascension is missing; allowed: degrees, or text such as 12h34m",
+            "never above the lowest altitude in the dark"
+        ]
     );
     // In every format, targets without a window are reported.
     let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();

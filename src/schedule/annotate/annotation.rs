@@ -63,7 +63,9 @@ impl Annotation<'_> {
 
 /// Reads a schedule as text, with its byte order mark, which is copied to the output.
 pub(super) fn read_text(input: &Path) -> Result<String, Error> {
-    crate::input::read(input).and_then(crate::input::text_of).map_err(|source| Error::system(source).in_file("schedule", input))
+    crate::input::read(input)
+        .and_then(crate::input::text_of)
+        .map_err(|source| Error::system(source).in_file("schedule", input))
 }
 
 /// Insertions into a text and removals of byte ranges. All other bytes are unchanged.

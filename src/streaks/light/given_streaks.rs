@@ -218,8 +218,7 @@ impl GivenStreak {
         let exit = if exit { "exit_s" } else { "exit_utc" };
         for (name, time_s) in [enter, exit].into_iter().zip(ends_s) {
             if !(-ROUNDED_S..=exposure_s + ROUNDED_S).contains(&time_s) {
-                let allowed =
-                    format!("0 to {exposure_s} s after it; the shutter opened at {}", format_utc(opened, 3));
+                let allowed = format!("0 to {exposure_s} s after it; the shutter opened at {}", format_utc(opened, 3));
                 return Err(self.invalid(name, format!("{time_s:.3} s after the opening of the shutter"), allowed));
             }
         }

@@ -427,10 +427,7 @@ fn verif_a_finder_chart_has_stars_and_a_table() {
         &[&["Pass of SAMPLE 1", "URSA MAJOR", "time", "altitude", "azimuth", "magnitude"][..], &events].concat(),
     );
     // Start, brightest point and end, and a round time: west before and east after the zenith.
-    has(
-        &picture,
-        &["00:00:05", "00:07", "00:10:05", "00:02:00", "270° W", "90° E", "10°", "3.6 ±0.4", "not visible"],
-    );
+    has(&picture, &["00:00:05", "00:07", "00:10:05", "00:02:00", "270° W", "90° E", "10°", "3.6 ±0.4", "not visible"]);
     let text = words(&picture).join(" ");
     // Events between the ends of the pass are known to the interval between its points.
     for part in [
