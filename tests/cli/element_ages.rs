@@ -76,7 +76,8 @@ fn verif_element_sets_are_chosen_for_each_night() {
         let schedule = path(&folder, "schedule.csv");
         let head = "exposure_id,start_utc,exposure_s,ra_deg,dec_deg\n".to_owned();
         fs::write(&schedule, head + &rows.iter().map(row).collect::<String>()).unwrap();
-        let words = ["flag", "--elements", &files[0], &files[1], "--schedule", &schedule, "--mpc", "X05", "--fov", "10deg"];
+        let words =
+            ["flag", "--elements", &files[0], &files[1], "--schedule", &schedule, "--mpc", "X05", "--fov", "10deg"];
         json(&[&words, &["--quiet"]])
     };
     let all = judged(&rows);
