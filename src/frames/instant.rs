@@ -46,7 +46,7 @@ pub fn parse_start(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Error>
 /// # Errors
 /// It has no time of day.
 pub fn check_time_of_day(text: &str) -> Result<(), Error> {
-    if text.trim().contains(['T', 't', ' ']) { Ok(()) } else { Err(error::without_time_of_day(text)) }
+    if text.contains(':') { Ok(()) } else { Err(error::without_time_of_day(text)) }
 }
 
 /// Parses an ISO 8601 time such as `2024-08-14T00:30:00.000Z`. A blank may replace the `T`, and an offset such as
@@ -225,6 +225,18 @@ mod tests {
             let message = parse_instant(&format!("2024-08-14T00:30{offset}"), None).unwrap_err().to_string();
             let expected = format!("offset {offset} from UTC is out of range; allowed: -12:00 to +14:00");
             assert!(message.ends_with(&expected), "{message}");
+        }
+    }
+
+    #[test]
+    fn starts_have_a_time_of_day() {
+        for text in ["2024-08-14T00:30Z", "2024-08-14 00:30:00", "60536.0208333333333", "2460536.5208333333"] {
+            let error_s = (parse_start(text, Some(TimeScale::UTC)).unwrap() - at(0, 30, 0, 0)).to_seconds();
+            assert!(error_s.abs() < 1e-3, "{text}: {error_s}");
+        }
+        for text in ["2024-08-14", "2024-08-14Z", "2024-08-14 Z"] {
+            let error = parse_start(text, Some(TimeScale::UTC)).unwrap_err().to_string();
+            assert!(error.contains("allowed: a date with the time of day"), "{error}");
         }
     }
 

@@ -474,3 +474,49 @@ fn start_of(cell: &Cell, column: &StartColumn, scale: TimeScale) -> Result<Epoch
         Err(format!("start {shown} is outside the years of the ephemeris; allowed: {FIRST_YEAR} to {LAST_YEAR}"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(start_column: &str, starts: [&str; 2]) -> Schedule {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("night.csv");
+        let [first, second] = starts;
+        let text = format!(
+            "exposure_id,{start_column},duration_s,ra_deg,dec_deg\na,{first},30,150,-30\nb,{second},30,150,-30\n"
+        );
+        std::fs::write(&path, text).unwrap();
+        Schedule::read(&path, &ScheduleOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn a_date_without_a_time_is_no_start() {
+        let schedule = read("start_utc", ["2026-04-26", "2026-04-26T00:00"]);
+        let reason = schedule.exposures[0].exposure.clone().unwrap_err();
+        assert!(reason.contains("'2026-04-26'") && reason.contains("a date with the time of day"), "{reason}");
+        assert!(schedule.exposures[1].exposure.is_ok());
+    }
+
+    #[test]
+    fn few_decimals_of_dates_give_one_warning_with_the_step() {
+        for (column, starts, expected) in [
+            (
+                "start_mjd_utc",
+                ["61155.999", "61155.97"],
+                Some("has at most 3 decimals, so that starts are in steps of 86 s"),
+            ),
+            (
+                "start_jd_tai",
+                ["2461155.5", "2461156"],
+                Some("has at most 1 decimal, so that starts are in steps of 8640 s"),
+            ),
+            ("start_mjd_utc", ["61155.99", "61155.96943"], None),
+            ("start_utc", ["2026-04-26T00:00:00.5", "2026-04-26T00:01"], None),
+        ] {
+            let warnings = read(column, starts).warnings_of_file;
+            assert_eq!(warnings.len(), usize::from(expected.is_some()), "{warnings:?}");
+            assert!(expected.is_none_or(|expected| warnings[0].contains(expected)), "{warnings:?}");
+        }
+    }
+}

@@ -176,9 +176,12 @@ impl Checks {
             }
         }
         let meaning = |index: usize| {
-            let name = table.names[index].to_ascii_lowercase().replace('_', "");
+            let lower = table.names[index].to_ascii_lowercase();
+            let name = lower.replace('_', "");
             let of_row = MEANINGS.iter().find(|(known, _)| *known == name).map(|(_, meaning)| *meaning);
-            let meaning = of_row.or_else(|| COUNTS.contains(&&*name).then_some(Meaning::Count))?;
+            // The unit of `exposure_s` is not the plural of `exposures`.
+            let meaning =
+                of_row.or_else(|| (COUNTS.contains(&&*name) && !lower.ends_with("_s")).then_some(Meaning::Count))?;
             (Some(index) != counted).then(|| (index, table.names[index].clone(), meaning))
         };
         Ok(Self { others, meanings: (0..table.names.len()).filter_map(meaning).collect() })
@@ -327,6 +330,7 @@ mod tests {
             ("n_visits", "5", "n_visits is 5; allowed: 1"),
             ("nloops", "5", "nloops is 5; allowed: 1"),
             ("stack", "10", "stack is 10; allowed: 1"),
+            ("exposures", "5", "exposures is 5; allowed: 1"),
             ("subs", "2.0", "subs is 2.0; allowed: 1"),
             ("count", "20", "count is 20; allowed: 1"),
             ("exposures", "20", "exposures is 20; allowed: 1"),
