@@ -156,7 +156,12 @@ impl Checks {
         let meaning = |index: usize| {
             let name = table.names[index].to_ascii_lowercase().replace('_', "");
             let of_row = MEANINGS.iter().find(|(known, _)| *known == name).map(|(_, meaning)| *meaning);
-            let meaning = of_row.or_else(|| COUNTS.contains(&&*name).then_some(Meaning::Count))?;
+            // `exposure_s` is a duration, `exposures` a number.
+            let is_read = || {
+                let names = read.iter().flat_map(|(_, quantity)| quantity.names);
+                names.into_iter().any(|read| read.eq_ignore_ascii_case(&table.names[index]))
+            };
+            let meaning = of_row.or_else(|| (COUNTS.contains(&&*name) && !is_read()).then_some(Meaning::Count))?;
             (Some(index) != counted).then(|| (index, table.names[index].clone(), meaning))
         };
         Ok(Self { others, meanings: (0..table.names.len()).filter_map(meaning).collect() })
