@@ -244,7 +244,7 @@ impl MaskConfig {
             let names: Vec<String> = of_frames.map(|[_, name]| name.clone()).collect();
             if !names.is_empty() {
                 warnings.push(format!(
-                    "{}: {} without a norad_id and therefore not masked: {}; complete norad_id (identify names candidates)",
+                    "{}: {} without a norad_id and therefore not masked: {}; complete norad_id (measure with --elements identifies streaks); trails of other objects need another mask",
                     path.display(),
                     counted(names.len(), "measured streak is", "measured streaks are"),
                     first_of(&names)

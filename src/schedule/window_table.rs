@@ -38,7 +38,7 @@ impl FoundWindows<'_> {
                 };
                 Some(match found.longest_s > 0.0 {
                     true => format!(
-                        "the exposure of {} s is longer than the {:.0} s of the time range in which the target is {state} without a break",
+                        "the exposure of {} s is longer than the time of the range in which the target is {state}: {:.0} s without a break",
                         self.duration_s(),
                         found.longest_s.floor()
                     ),

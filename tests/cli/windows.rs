@@ -250,7 +250,11 @@ fn too_long_exposures_are_named() {
         run(&[&target, range, &loud]).2
     };
     let of_range = reason("40min", RANGE);
-    assert!(of_range.contains("the exposure of 2400 s is longer than the 1800 s of the time range"), "{of_range}");
+    assert!(
+        of_range.contains("the exposure of 2400 s is longer than the time of the range")
+            && of_range.contains("dark: 1800 s"),
+        "{of_range}"
+    );
     let of_night = reason("10h", &["--night", "2024-08-14"]);
     assert!(of_night.contains("the exposure of 36000 s is longer than the "), "{of_night}");
     assert!(![of_range, of_night].iter().any(|text| text.contains("never above")));
