@@ -348,7 +348,8 @@ mod tests {
 
     #[test]
     fn regions_without_the_line_of_ds9_are_recognised() {
-        for text in ["image\nline(1,2,3,4)\n", "image;line(1,2,3,4)\n", "global color=red\nimage\n# segment(1,2,3,4)\n"] {
+        for text in ["image\nline(1,2,3,4)\n", "image;line(1,2,3,4)\n", "global color=red\nimage\n# segment(1,2,3,4)\n"]
+        {
             assert!(is_ds9(text), "{text}");
             let rows = ds9(Path::new("a.reg"), text).unwrap();
             assert!(rows.starts_with("id,x1_pix,y1_pix,x2_pix,y2_pix\n") && rows.contains("\n\"\",1,2,3,4"), "{rows}");

@@ -148,7 +148,6 @@ mod tests {
         const SIDE: usize = 300;
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let stars: Vec<[f64; 3]> = (0..10)
-            
             .map(|star| {
                 let [x, y] = [0.0; 2].map(|_| SIDE as f64 * random.random::<f64>());
                 [x, y, 30.0 * sigma * 100f64.powf(f64::from(star) / 9.0)]

@@ -144,7 +144,8 @@ impl Measuring<'_> {
         };
         let fwhm_pix = self.profile.fwhm_pix();
         // Two streaks nearer than their width are not resolved.
-        let to_neighbour_pix = options.neighbour_pix.filter(|pix| *pix >= fwhm_pix).map_or(f64::INFINITY, |pix| 0.5 * pix);
+        let to_neighbour_pix =
+            options.neighbour_pix.filter(|pix| *pix >= fwhm_pix).map_or(f64::INFINITY, |pix| 0.5 * pix);
         let across_pix = (across_pix + fwhm_pix).min(options.most_corridor_pix).min(to_neighbour_pix);
         Extent { across_pix, tilt_rad, late_s, to_neighbour_pix }
     }
@@ -286,9 +287,11 @@ impl Measuring<'_> {
         let rest = without_streak(&band, &stars.mask, &drawn.template, &blocks);
         let pixel_sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
         // The values of a constant frame differ only by rounding: its noise is unknown.
-        let largest = band.values.iter().copied().filter(|value| value.is_finite()).fold(0.0, |a: f32, b| a.max(b.abs()));
+        let largest =
+            band.values.iter().copied().filter(|value| value.is_finite()).fold(0.0, |a: f32, b| a.max(b.abs()));
         let rounding = f64::from(f32::EPSILON * largest);
-        let pixel_sigma = if (amplitude.squares / amplitude.freedom).sqrt() > rounding { pixel_sigma } else { f64::NAN };
+        let pixel_sigma =
+            if (amplitude.squares / amplitude.freedom).sqrt() > rounding { pixel_sigma } else { f64::NAN };
         let controls = controls(&band, &rest, &stars, &drawn.template, &blocks, amplitude.weight, first, step);
         let controls = controls.filter(|_| pixel_sigma.is_finite());
         let mut flags = Vec::new();

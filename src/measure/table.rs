@@ -34,7 +34,12 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         pass.direction.latitude_rad().to_degrees().into()
     }),
     TableField::new(
-        Column::real("magnitude", "mag", 4, "Measured magnitude; a bright limit if flags contain saturated or clipped."),
+        Column::real(
+            "magnitude",
+            "mag",
+            4,
+            "Measured magnitude; a bright limit if flags contain saturated or clipped.",
+        ),
         |pass| pass.magnitude.map(|magnitude| magnitude.value).into(),
     ),
     TableField::new(

@@ -158,10 +158,8 @@ pub fn star_zero_point(
         _ => assumed,
     };
     let candidates = candidates(image, &placed, &profile, &mut found, watch)?;
-    let measured: Vec<(&StarCandidate, Aperture)> = candidates
-        .iter()
-        .filter_map(|candidate| Some((candidate, candidate.stamp.light(image, &profile)?)))
-        .collect();
+    let measured: Vec<(&StarCandidate, Aperture)> =
+        candidates.iter().filter_map(|candidate| Some((candidate, candidate.stamp.light(image, &profile)?))).collect();
     found.faint += candidates.len() - measured.len();
 
     let zero_point =

@@ -153,7 +153,9 @@ fn the_gain_of_counts_does_not_apply_to_a_flux() {
     let of = |unit: &str| {
         Calibration::from_headers(&[&Header::from_text(&format!("GAIN    = 1.5 / e-/ADU\nBUNIT   = '{unit}'"))])
     };
-    for unit in ["MJy/sr", "MJy sr-1", "nJy", "Jy/beam", "erg/s/cm2/Angstrom", "erg s^-1 cm^-2 Hz^-1", "W m-2", "nanomaggy"] {
+    for unit in
+        ["MJy/sr", "MJy sr-1", "nJy", "Jy/beam", "erg/s/cm2/Angstrom", "erg s^-1 cm^-2 Hz^-1", "W m-2", "nanomaggy"]
+    {
         let found = of(unit);
         let doubt = format!("GAIN is that of counts, the pixels are in {unit}");
         assert_eq!((found.pixel_unit, found.doubtful_gain), (PixelUnit::Flux, Some(doubt)), "{unit}");

@@ -791,8 +791,7 @@ fn given_streaks_beside_each_other_do_not_take_the_same_light() {
     const RATES: [f64; 2] = [10_000.0, 50_000.0];
     const SIDE: usize = 400;
     const LENGTH: f64 = 300.0;
-    let optics =
-        Optics { form: SeeingForm::Gaussian, seeing_arcsec: 4.0, outer_radius_m: 0.0, inner_radius_m: 0.0 };
+    let optics = Optics { form: SeeingForm::Gaussian, seeing_arcsec: 4.0, outer_radius_m: 0.0, inner_radius_m: 0.0 };
     let profile = optics.profile(600.0, 0.0, 1.0, 1.0).unwrap();
     let line = |y: f64, beyond: f64, rate: f64| {
         let node = |time_s: f64| {

@@ -126,7 +126,13 @@ fn verif_zero_points_of_stars_are_unbiased_and_errors_are_honest() {
         for form in [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 3.5 }] {
             for other_stars in [0.0, 300.0] {
                 for repeat in 0..if is_all() { 4 } else { 2 } {
-                    cases.push(Case { seeing_pix, form, other_stars, seed: 100 * cases.len() as u64 + repeat, shift_arcsec: 0.0 });
+                    cases.push(Case {
+                        seeing_pix,
+                        form,
+                        other_stars,
+                        seed: 100 * cases.len() as u64 + repeat,
+                        shift_arcsec: 0.0,
+                    });
                 }
             }
         }
@@ -198,7 +204,8 @@ fn verif_the_width_of_undersampled_stars_is_measured() {
 
 #[test]
 fn stars_that_cannot_be_used_are_counted() {
-    let case = Case { seeing_pix: 3.0, form: SeeingForm::Moffat { beta: 3.5 }, other_stars: 0.0, seed: 7, shift_arcsec: 0.0 };
+    let case =
+        Case { seeing_pix: 3.0, form: SeeingForm::Moffat { beta: 3.5 }, other_stars: 0.0, seed: 7, shift_arcsec: 0.0 };
     // A grid of 20 good stars, then 2 saturated ones, 3 at the edge, 2 beside each other, 2 faint ones, and 3 whose
     // magnitudes in the table are wrong by one magnitude. One star is outside the frame.
     let grid = |index: usize, magnitude: f64| {

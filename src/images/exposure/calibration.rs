@@ -48,9 +48,8 @@ pub enum PixelUnit {
 }
 
 /// Parts of units of flux, flux density and surface brightness, in lower case and without spaces, brackets, `*` and `^`.
-const FLUXES: [&str; 12] = [
-    "nanomagg", "nmgy", "jy", "jansky", "erg", "watt", "w/m2", "wm-2", "w.m-2", "/sr", "sr-1", "/arcsec2",
-];
+const FLUXES: [&str; 12] =
+    ["nanomagg", "nmgy", "jy", "jansky", "erg", "watt", "w/m2", "wm-2", "w.m-2", "/sr", "sr-1", "/arcsec2"];
 
 /// Parses BUNIT. Returns the unit, and true if it is a unit per second.
 fn parsed_unit(text: &str) -> (PixelUnit, bool) {
