@@ -2,7 +2,7 @@
 
 use hifitime::Epoch;
 use streakcast::frames::seconds_between;
-use streakcast::images::{Calibration, CountBasis, ExposureTime, Header};
+use streakcast::images::{Calibration, CountBasis, ExposureTime, Header, PixelUnit};
 
 fn time(text: &str) -> Result<ExposureTime, String> {
     ExposureTime::from_headers(&[&Header::from_text(text)]).map_err(|error| error.to_string())
