@@ -282,11 +282,20 @@ fn along(streak: &PredictedStreak) -> Vec<PixelPosition> {
 }
 
 /// Returns the mean distance of the positions along a streak from the line through another one, of those that are beside
-/// that streak. `None` if none is.
+/// that streak. `None` if none is, or if the streaks have different directions.
 fn distance_beside(own: &[PixelPosition], other: &[PixelPosition]) -> Option<f64> {
-    let (first, last) = (other[0], other[other.len() - 1]);
-    let length = first.distance(last);
-    let [ex, ey] = [(last.x - first.x) / length, (last.y - first.y) / length];
+    /// Sine of the largest angle between streaks beside each other.
+    const LARGEST_SINE: f64 = 0.1;
+    let direction = |streak: &[PixelPosition]| {
+        let (first, last) = (streak[0], streak[streak.len() - 1]);
+        let length = first.distance(last);
+        (length, [(last.x - first.x) / length, (last.y - first.y) / length])
+    };
+    let (first, (length, [ex, ey])) = (other[0], direction(other));
+    let (_, [x, y]) = direction(own);
+    if (x * ey - y * ex).abs() > LARGEST_SINE {
+        return None;
+    }
     let beside = own.iter().filter_map(|at| {
         let [x, y] = [at.x - first.x, at.y - first.y];
         (0.0..=length).contains(&(x * ex + y * ey)).then(|| (y * ex - x * ey).abs())
@@ -330,4 +339,25 @@ fn is_open(pass: &MeasuredPass, target: &TargetChip) -> bool {
         };
         !(is_within(x, &area.columns) && is_within(y, &area.rows))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_parallel_streaks_are_beside_each_other() {
+        let line = |from: [f64; 2], to: [f64; 2]| -> Vec<PixelPosition> {
+            let at = |share: f64| [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+            (0..=16).map(|part| at(f64::from(part) / 16.0)).map(|[x, y]| PixelPosition { x, y }).collect()
+        };
+        let own = line([0.0, 0.0], [100.0, 0.0]);
+        let distance = |from, to| distance_beside(&own, &line(from, to));
+        assert_eq!(distance([20.0, 16.0], [80.0, 16.0]), Some(16.0));
+        assert_eq!(distance([100.0, -4.0], [0.0, -4.0]), Some(4.0));
+        assert!((distance([0.0, 4.0], [100.0, 8.0]).unwrap() - 6.0).abs() < 0.1);
+        // A crossing streak, and the next piece of a broken one.
+        assert_eq!(distance([40.0, -50.0], [60.0, 50.0]), None);
+        assert_eq!(distance([100.0, 0.0], [200.0, 0.0]), None);
+    }
 }

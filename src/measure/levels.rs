@@ -76,8 +76,8 @@ impl PixelLevels {
         }
         let most = f64::from(high[0]);
         // A constant column at the edge of a detector is not saturated.
-        let at_most = rows().enumerate().flat_map(|(row, values)| {
-            let columns = values.iter().enumerate().filter(|(_, value)| **value == high[0]);
+        let at_most = rows().enumerate().flat_map(move |(row, values)| {
+            let columns = values.iter().enumerate().filter(move |(_, value)| **value == high[0]);
             columns.map(move |(column, _)| [row, column])
         });
         let first = at_most.clone().next().unwrap_or_default();

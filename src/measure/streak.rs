@@ -252,7 +252,12 @@ impl Measuring<'_> {
                 blocks.weigh(&band, &stars.mask, &drawn.template);
                 break;
             }
+            let before = shift;
             let moved = self.refined(&band, &stars.mask, &drawn.template, &blocks, &fits, &mut shift);
+            // A step towards the light of the neighbour is not made.
+            if shift.offset_pix.abs() > extent.to_neighbour_pix {
+                shift = before;
+            }
             if iteration == 1 && ends > 0 && !self.is_given() {
                 self.fit_lateness(&band, &stars.mask, &blocks, extent, &mut shift)?;
             }

@@ -139,6 +139,8 @@ pub fn star_zero_point(
         stars.profile(1.0, 0.0, image.pixel_scale_arcsec, image.pixel_aspect)
     };
     let assumed = star_profile(optics.seeing_arcsec)?;
+    // The width of misplaced stars is not measured.
+    let assumed_pix = assumed.fwhm_pix();
     let mut start_arcsec = optics.seeing_arcsec;
     for _ in 0..MOST_WIDTH_RANGES {
         // A width that cannot be drawn is not measured.
@@ -168,7 +170,7 @@ pub fn star_zero_point(
     let first: Vec<f64> = bright.map(zero_point).collect();
     if first.is_empty() {
         found.faint += measured.len();
-        found.doubt = offset(image, &placed, profile.fwhm_pix()).map(|pix| misplaced(image, Some(pix)));
+        found.doubt = offset(image, &placed, assumed_pix).map(|pix| misplaced(image, Some(pix)));
         return Ok(found);
     }
     let first = median(first);
@@ -183,7 +185,7 @@ pub fn star_zero_point(
     let without_light = usable.iter().filter(|(candidate, _)| !candidate.stamp.is_found).count();
     if without_light as f64 > LEAST_SHARE * all as f64 {
         (found.misplaced, found.outliers) = (without_light, all - without_light);
-        found.doubt = Some(misplaced(image, offset(image, &placed, profile.fwhm_pix())));
+        found.doubt = Some(misplaced(image, offset(image, &placed, assumed_pix)));
         return Ok(found);
     }
     // Zero point from each star, with its error.

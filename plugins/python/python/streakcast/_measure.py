@@ -71,7 +71,7 @@ class Measurements:
     #: Zero points from stars, and other remarks.
     remarks: tuple[str, ...]
     #: Measured magnitudes of the streaks that were found, without instrumental ones and those with the flags
-    #: ``saturated``, ``masked`` or ``position``.
+    #: ``saturated``, ``clipped``, ``masked`` or ``position``.
     learn_arguments: LearnArguments
 
 
