@@ -192,18 +192,6 @@ impl MaskConfig {
         };
         // The warnings of a given sky are not repeated here.
         let mut warnings = if sky.is_some() { Vec::new() } else { shared_sky.warnings.clone() };
-<<<<<<< HEAD
-=======
-        if !of_no_satellite.is_empty() {
-            let streaks = counted(
-                of_no_satellite.len(),
-                "measured streak of no satellite is",
-                "measured streaks of no satellite are",
-            );
-            warnings
-                .push(format!("{streaks} not masked: {}; mask predicts satellites only", first_of(&of_no_satellite)));
-        }
->>>>>>> hm
         let mut remarks: Vec<String> = remark.into_iter().collect();
         let batch = |error: Error, done: usize| match done {
             1.. if !outputs.is_empty() => crate::streaks::partly_written(error, done, count),
