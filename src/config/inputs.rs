@@ -10,7 +10,7 @@ use super::error;
 use super::required::SATELLITES;
 use super::values::ModelSource;
 use crate::elements::{
-    Constellation, Deployment, DeploymentFile, ElementSet, Generation, Keep, ReadOptions, Satellites, SourceFile,
+    Constellation, Deployment, DeploymentFile, Generation, Keep, ReadOptions, Satellites, SourceFile,
 };
 use crate::error::Error;
 use crate::frames::EopTable;
@@ -41,10 +41,13 @@ impl LoadedInputs {
         self.catalogue.as_ref().map_or(&[], |catalogue| &catalogue.sources)
     }
 
-    /// Returns true if the files have element sets of several epochs of an object, of which each sky uses the closest.
-    pub fn has_choice_of_sets(&self) -> bool {
-        let is_same = |pair: &[ElementSet]| pair[0].norad_id == pair[1].norad_id;
-        self.catalogue.as_ref().is_some_and(|catalogue| catalogue.element_sets.windows(2).any(is_same))
+    /// Returns the first and the last epoch of the element sets if the files have several of an object, of which each sky
+    /// uses the closest.
+    pub fn epochs_of_choice(&self) -> Option<[Epoch; 2]> {
+        let sets = &self.catalogue.as_ref()?.element_sets;
+        let has_several = sets.windows(2).any(|pair| pair[0].norad_id == pair[1].norad_id);
+        let epochs = || sets.iter().map(|set| set.epoch);
+        epochs().min().zip(epochs().max()).filter(|_| has_several).map(|(first, last)| [first, last])
     }
 }
 

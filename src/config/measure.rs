@@ -355,9 +355,10 @@ fn state_stars(
             };
             remarks.push(format!("{chip}: zero point {value:.3} +- {sigma:.3} mag; {counts}{seeing}"));
         }
-        (None, _) => warnings.push(format!(
-            "{chip}: no zero point, magnitudes are instrumental; {counts}; allowed: 3 usable stars or more"
-        )),
+        (None, _) => {
+            let allowed = if found.doubt.is_none() { "; allowed: 3 usable stars or more" } else { "" };
+            warnings.push(format!("{chip}: no zero point, magnitudes are instrumental; {counts}{allowed}"));
+        }
     }
     if let Some(seeing_arcsec) = found.seeing_arcsec.filter(|_| is_seeing_known)
         && (seeing_arcsec / optics.seeing_arcsec).ln().abs() > (1.0 + SEEING_TOLERANCE).ln()

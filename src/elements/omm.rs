@@ -245,7 +245,10 @@ impl<'a> Fields<'a> {
             (Keyword::SemimajorAxis, "SEMIMAJOR_AXIS", semi_major_axis_km(set)),
         ] {
             let value = self.get(keyword).and_then(|text| text.parse::<f64>().ok());
-            if let Some(value) = value.filter(|value| (value / expected - 1.0).abs() > LARGEST_DISAGREEMENT) {
+            // 0 is unknown.
+            if let Some(value) =
+                value.filter(|value| *value > 0.0 && (value / expected - 1.0).abs() > LARGEST_DISAGREEMENT)
+            {
                 return Err(Error::format(format!(
                     "MEAN_MOTION is {motion} and {field} is {value}: they contradict each other; allowed: {field} within \
                      1 % of {expected:.3}"

@@ -40,7 +40,11 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
                 }
             }
             // The answer of a server that has no records to give.
-            Token::Member(key, value) if key.eq_ignore_ascii_case("error") => {
+            Token::Member(key, value)
+                if key.eq_ignore_ascii_case("error")
+                    && is_error_text(&value)
+                    && !open.last().is_some_and(|(_, fields)| fields.is_record()) =>
+            {
                 let offset = open.last().map_or(0, |(start, _)| *start);
                 let text = Quoted::new(excerpt(value.as_bytes()));
                 parsed.rejected.push((offset, Error::format(format!("error message instead of a record: {text}"))));
@@ -62,6 +66,11 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
         parsed.rejected.push((*offset, syntax("the file ends inside this object")));
     }
     parsed
+}
+
+/// Returns true for a text, not for the values of answers without an error: null, false, 0 and the empty text.
+fn is_error_text(value: &str) -> bool {
+    !["", "null", "false"].contains(&value.trim()) && value.trim().parse::<f64>().is_err()
 }
 
 fn syntax(what: &str) -> Error {

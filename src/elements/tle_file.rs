@@ -120,6 +120,8 @@ fn unexpected(line: &[u8]) -> Error {
 /// Rejects the lines of a text between messages that contain elements; `offset` is that of the text.
 pub(super) fn reject_elements(text: &str, offset: usize, parsed: &mut Parsed) {
     let lines = Lines { text: text.as_bytes(), at: 0 };
+    // Other messages of a combined XML file are read elsewhere.
+    let lines = lines.filter(|(_, line)| !line.trim_ascii_start().starts_with(b"<"));
     let texts: Vec<Placed> = lines.map(|(at, line)| (offset + at, line)).collect();
     reject_fragments(&texts, false, parsed);
 }

@@ -69,9 +69,13 @@ pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
 /// Returns true for a file of regions: its first line is that of DS9, a coordinate system, `global` or a shape.
 fn is_ds9(text: &str) -> bool {
     let first = text.lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
-    let word = first.split([';', '(', ' ', '\t']).next().unwrap_or_default();
-    let is_shape = ["line(", "vector(", "segment(", "projection("].iter().any(|shape| first.starts_with(shape));
-    first.starts_with(DS9_HEAD) || is_shape || system_of(None, word).is_some() || word == "global"
+    let is_shape = |text: &str| {
+        let shapes = ["line(", "vector(", "segment(", "projection("];
+        shapes.iter().any(|shape| text.trim_start_matches(['#', ' ']).starts_with(shape))
+    };
+    let (system, shape) = first.split_once(';').unwrap_or((first, ""));
+    let is_system = system_of(None, system.trim()).is_some() && (shape.is_empty() || is_shape(shape));
+    first.starts_with(DS9_HEAD) || first.starts_with("global ") || is_shape(first) || is_system
 }
 
 fn ds9(path: &Path, text: &str) -> Result<String, Error> {
@@ -354,7 +358,14 @@ mod tests {
             let rows = ds9(Path::new("a.reg"), text).unwrap();
             assert!(rows.starts_with("id,x1_pix,y1_pix,x2_pix,y2_pix\n") && rows.contains("\n\"\",1,2,3,4"), "{rows}");
         }
-        for text in ["image,x1,y1,x2,y2\na.fits,1,2,3,4\n", "id,ra1\n", "#ID ep1_x\n", ""] {
+        for text in [
+            "image,x1,y1,x2,y2\na.fits,1,2,3,4\n",
+            "id,ra1\n",
+            "#ID ep1_x\n",
+            "image;x1_pix;y1_pix\n",
+            "image\tx1_pix\n",
+            "",
+        ] {
             assert!(!is_ds9(text), "{text}");
         }
     }
@@ -389,7 +400,7 @@ mod tests {
         ] {
             let message = of(text).unwrap_err().to_string();
             assert!(
-                message.contains(&format!("a.reg: line {line}: region")) && message.contains("line in image"),
+                message.contains(&format!("a.reg: line {line}: region")) && message.contains("line, segment"),
                 "{message}"
             );
         }

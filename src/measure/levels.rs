@@ -21,7 +21,9 @@ const LEAST_EMPTY_SHARE: f64 = 0.02;
 const LEAST_EMPTY_RATIO: usize = 2;
 /// Smallest number of ends of runs of these pixels along the rows, relative to that of pixels at random positions. Empty
 /// borders of a frame have few runs.
-const LEAST_RUNS: f64 = 0.5;
+const LEAST_RUNS: f64 = 0.2;
+/// Largest distance of the median sky from these pixels, in its sigma.
+const LARGEST_CUT: f64 = 3.0;
 /// Approximate number of pixels from which sky and noise are computed.
 const SAMPLE: usize = 100_000;
 /// Largest ratio of the variance of the sky to that of its photons by the gain for which the gain is that of other pixels.
@@ -89,6 +91,10 @@ impl PixelLevels {
         let expected = share * (1.0 - share) * count as f64;
         let is_empty = share >= LEAST_EMPTY_SHARE
             && empty >= LEAST_EMPTY_RATIO * above
+            // Single photons: most of the other pixels have the next value.
+            && 2 * above < count - empty
+            // Filled pixels far below the sky, such as dead ones.
+            && sky - f64::from(low[0]) <= LARGEST_CUT * noise
             && expected > 0.0
             && rows().map(ends).sum::<usize>() as f64 >= LEAST_RUNS * expected;
         Some(Self {
@@ -177,7 +183,7 @@ mod tests {
         assert_eq!(levels(800.0, 15.0, |value| value).full, None);
         let mut plane = Plane::zeros(100, 100);
         for (index, value) in plane.values_mut().iter_mut().enumerate() {
-            *value = if index % 100 == 99 { 5000.0 } else { (index * 37 % 101) as f32 };
+            *value = if index % 100 == 99 { 5000.0 } else { (index * 37 % 3001) as f32 };
         }
         let of = |plane: &Plane| PixelLevels::new(plane, &LightArea::whole(100, 100), None).unwrap().full;
         assert_eq!(of(&plane), None);
@@ -198,6 +204,26 @@ mod tests {
         assert_eq!(levels(25.0, 5.0, |value| value.max(0.0).round()).empty, None);
         assert_eq!(levels(3.0, 0.7, |value| value.max(0.0).round()).empty, None);
         assert_eq!(levels(0.0, 5.0, |value| value).empty, None);
+        // Dead pixels at 0 below a sky, and single photons.
+        let mut number = 0;
+        let mut dead = |value: f64| {
+            number += 1;
+            if number % 20 == 0 { 0.0 } else { value }
+        };
+        let mut plane = Plane::zeros(100, 100);
+        plane
+            .values_mut()
+            .iter_mut()
+            .enumerate()
+            .for_each(|(index, value)| *value = dead(1000.0 + (index * 37 % 41) as f64) as f32);
+        let of = |plane: &Plane| PixelLevels::new(plane, &LightArea::whole(100, 100), None).unwrap().empty;
+        assert_eq!(of(&plane), None);
+        plane
+            .values_mut()
+            .iter_mut()
+            .enumerate()
+            .for_each(|(index, value)| *value = if index * 7919 % 101 < 9 { 1.0 } else { 0.0 });
+        assert_eq!(of(&plane), None);
     }
 
     #[test]

@@ -287,9 +287,8 @@ impl Measuring<'_> {
         let rest = without_streak(&band, &stars.mask, &drawn.template, &blocks);
         let pixel_sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
         // The values of a constant frame differ only by rounding: its noise is unknown.
-        let largest =
-            band.values.iter().copied().filter(|value| value.is_finite()).fold(0.0, |a: f32, b| a.max(b.abs()));
-        let rounding = f64::from(f32::EPSILON * largest);
+        let finite = band.values.iter().filter(|value| value.is_finite());
+        let rounding = f64::from(f32::EPSILON) * median(finite.map(|value| f64::from(value.abs())).collect());
         let pixel_sigma =
             if (amplitude.squares / amplitude.freedom).sqrt() > rounding { pixel_sigma } else { f64::NAN };
         let controls = controls(&band, &rest, &stars, &drawn.template, &blocks, amplitude.weight, first, step);

@@ -238,13 +238,13 @@ fn misplaced(image: &StreakImage<'_>, offset_pix: Option<f64>) -> String {
 }
 
 /// Returns the distance, pixels, of the light of stars from their positions if it is the same for most of them, as the
-/// peak of the average of their surroundings. `None` if this is less than the width of a star, or without such a peak.
+/// peak of the median of their surroundings. `None` if this is less than the width of a star, or without such a peak.
 fn offset(image: &StreakImage<'_>, placed: &[(PixelPosition, CatalogueStar)], fwhm_pix: f64) -> Option<f64> {
     let mut brightest: Vec<&(PixelPosition, CatalogueStar)> = placed.iter().collect();
     brightest.sort_by(|a, b| a.1.magnitude.total_cmp(&b.1.magnitude));
     brightest.truncate(MOST_SEARCHED);
     let side = 2 * SEARCH_PIX + 1;
-    let mean = |index: usize| -> f64 {
+    let middle = |index: usize| -> f64 {
         let [down, right] = [index / side, index % side].map(|at| at as isize - SEARCH_PIX as isize);
         let values = brightest.iter().filter_map(|(at, _)| {
             let row = (at.y.round() as usize).checked_add_signed(down).filter(|row| *row < image.plane.rows())?;
@@ -252,14 +252,16 @@ fn offset(image: &StreakImage<'_>, placed: &[(PixelPosition, CatalogueStar)], fw
             let value = image.background.normalised(row, column, image.plane.row(row)[column]);
             value.is_finite().then_some(f64::from(value))
         });
-        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-        if 2.0 * count > brightest.len() as f64 { sum / count } else { f64::NAN }
+        // The median: single bright stars beside them do not count.
+        let values: Vec<f64> = values.collect();
+        if 2 * values.len() > brightest.len() { median(values) } else { f64::NAN }
     };
-    let means: Vec<f64> = (0..side * side).map(mean).collect();
-    let (sky, noise) = median_and_sigma(&means.iter().copied().filter(|mean| mean.is_finite()).collect::<Vec<_>>());
+    let middles: Vec<f64> = (0..side * side).map(middle).collect();
+    let (sky, noise) =
+        median_and_sigma(&middles.iter().copied().filter(|middle| middle.is_finite()).collect::<Vec<_>>());
     let [least, sigmas] = SEARCH_SIGMAS;
-    let is_light = |(_, mean): &(usize, &f64)| **mean - sky > least.max(sigmas * noise);
-    let (peak, _) = means.iter().enumerate().filter(is_light).max_by(|a, b| a.1.total_cmp(b.1))?;
+    let is_light = |(_, middle): &(usize, &f64)| **middle - sky > least.max(sigmas * noise);
+    let (peak, _) = middles.iter().enumerate().filter(is_light).max_by(|a, b| a.1.total_cmp(b.1))?;
     let [down, right] = [peak / side, peak % side].map(|at| at as f64 - SEARCH_PIX as f64);
     Some(down.hypot(right)).filter(|pix| *pix > fwhm_pix)
 }

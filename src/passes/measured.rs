@@ -21,7 +21,7 @@ const MAGNITUDE_RANGE: [f64; 2] = [-30.0, 40.0];
 
 /// Flags of measurements that are not used: limits, fluxes of less than half of a streak, and streaks that may be of
 /// another satellite.
-const UNUSED_FLAGS: [&str; 3] = ["saturated", "masked", "position"];
+const UNUSED_FLAGS: [&str; 4] = ["saturated", "clipped", "masked", "position"];
 
 /// Measured apparent magnitude of a satellite, in the band of the predictions that it corrects.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub struct MeasuredMagnitude {
 
 /// Reads a CSV or ECSV table with the columns `norad_id`, `mid_utc`, `magnitude` and `magnitude_sigma`, for example one that
 /// `streakcast measure` wrote. Lines that begin with `#`, rows without a magnitude, and rows whose `flags` contain
-/// `saturated`, `masked` or `position` or whose `calibrated` is `false` are omitted, and so are streaks of unknown
+/// `saturated`, `clipped`, `masked` or `position` or whose `calibrated` is `false` are omitted, and so are streaks of unknown
 /// satellites in a table with the column `streak` (`measure --streaks`).
 ///
 /// # Errors

@@ -400,7 +400,11 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
         let is_offset = |number: f64| {
             number != 0.0 && ((4.0 * number).fract() == 0.0 && number.abs() <= 14.0 || number % 900.0 == 0.0)
         };
-        let is_local = value.parse().map_or(!value.is_empty() && !Comment::new(&value).is_universal(), is_offset);
+        // UTC, Z and +00:00 are universal time, UTC-7 is not.
+        let is_zero = value.chars().all(|c| "+-0:. Z".contains(c));
+        let has_offset = value.contains(|c: char| matches!(c, '1'..='9'));
+        let is_zone = !is_zero && (has_offset || !Comment::new(&value).is_universal());
+        let is_local = value.parse().map_or(is_zone, is_offset);
         is_local.then_some((name, value))
     })?;
     // A scale, another clock of universal time, or a different local time show that the start is not local.

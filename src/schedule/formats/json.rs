@@ -103,7 +103,8 @@ fn raw_rows<'a>(path: &Path, text: &'a str) -> Result<(Option<Object<'a>>, Vec<&
             let other: Vec<&RawValue> =
                 serde_json::from_str(value.get()).map_err(|error| bad_at(path, text, value, &error))?;
             let Some(first) = other.first() else { continue };
-            if ARRAYS.contains(&&**name) || (keys.is_some() && keys_of(first)? == keys) {
+            let is_table = first.get().starts_with('{');
+            if ARRAYS.contains(&&**name) && is_table || (keys.is_some() && keys_of(first)? == keys) {
                 let what = format!("JSON with {} more rows in the array '{}'", other.len(), Quoted::new(name));
                 return Err(format(path, &what).allowing("one array of rows; split the file"));
             }

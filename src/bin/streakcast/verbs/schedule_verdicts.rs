@@ -175,7 +175,7 @@ impl PreparedSchedule {
         if let (Some(inputs), Some(sky), Some(span)) = (&inputs, &first_sky, judgeable) {
             let periods = self::parts(config, &schedule, span)?;
             state_periods(&mut provenance, inputs, sky, periods.iter().map(|part| part.span.0))?;
-            if inputs.has_choice_of_sets() {
+            if inputs.epochs_of_choice().is_some() {
                 provenance.state("element_sets", "closest to the middle of each night");
             }
         }
@@ -204,22 +204,29 @@ impl PreparedSchedule {
     fn judge_parts(&self, see: See<'_>, take: Take<'_>) -> anyhow::Result<FlagTotals> {
         let Self { schedule, plan, notices, .. } = self;
         let mut judge = RowJudge::new(schedule, plan, notices);
-        // Of warnings of different nights that differ only in numbers, the first one is printed.
-        let (mut texts, mut kinds) = (BTreeSet::new(), BTreeSet::new());
-        let mut is_printed = |warning: &String| {
-            texts.insert(warning.clone());
-            kinds.insert(warning.replace(|c: char| c.is_ascii_digit(), ""))
+        // Of the warnings of several nights that differ only in numbers, the first and the last one are printed.
+        let (mut texts, mut last) = (BTreeSet::new(), BTreeMap::<String, Option<String>>::new());
+        let mut is_first = |warning: &String| {
+            let kind = warning.replace(|c: char| c.is_ascii_digit() || c == '.' || c == ',', "");
+            let is_first = !last.contains_key(&kind);
+            if texts.insert(warning.clone()) {
+                last.insert(kind, Some(warning.clone()).filter(|_| !is_first));
+            }
+            is_first
         };
         let mut without_position = Vec::new();
         for (number, part) in self.parts.iter().enumerate() {
             let later = self.inputs.as_ref().filter(|_| number > 0);
             let later = later.map(|inputs| inputs.prepare(part.span.0, part.span.1)).transpose()?;
             let Some(prepared) = later.as_ref().or(self.first_sky.as_ref()) else { continue };
-            notices.warn(prepared.warnings.iter().filter(|warning| is_printed(warning)));
-            without_position.extend(judge.judge(prepared, part, see, take)?.filter(|warning| is_printed(warning)));
+            notices.warn(prepared.warnings.iter().filter(|warning| is_first(warning)));
+            without_position.extend(judge.judge(prepared, part, see, take)?.filter(|warning| is_first(warning)));
         }
         let totals = judge.finish();
-        let omitted = texts.len() - kinds.len();
+        let kinds = last.len();
+        let last: Vec<String> = last.into_values().flatten().collect();
+        notices.warn(&last);
+        let omitted = texts.len() - kinds - last.len();
         if omitted > 0 {
             notices.warn(&[format!("{omitted} warnings of other nights, which differ in numbers, are not printed")]);
         }
@@ -288,9 +295,17 @@ fn parts_and_inputs(
         return Ok((parts(config, schedule, (first, last))?, None));
     }
     let inputs = config.load()?;
-    let parts = match inputs.has_choice_of_sets() {
-        true => divided(schedule, night),
-        false => parts(config, schedule, (first, last))?,
+    let parts = match inputs.epochs_of_choice() {
+        // Nights before and after all epochs have the same sets, but their own periods of constellations that grow.
+        Some([oldest, newest]) => {
+            let deployment = config.deployment()?;
+            let key = |start| {
+                let evening = night(start);
+                (deployment.periods_begun(evening), evening.clamp(night(oldest) - 1, night(newest) + 1))
+            };
+            divided(schedule, key)
+        }
+        None => parts(config, schedule, (first, last))?,
     };
     Ok((parts, Some(inputs)))
 }
