@@ -1,6 +1,6 @@
 //! Zero point and seeing of an image from stars of known magnitude.
 
-use super::background::{SIGMA_OF_MAD, median_and_sigma};
+use super::background::SIGMA_OF_MAD;
 use super::measurement::{Estimate, StreakImage};
 use super::star_table::CatalogueStar;
 use crate::error::Error;
@@ -35,12 +35,8 @@ const OUTLIER_SIGMAS: f64 = 4.0;
 const LEAST_SHARE: f64 = 0.5;
 /// Largest scatter of the zero points from single stars, mag, also of magnitudes of a neighbouring band.
 const MOST_SCATTER_MAG: f64 = 0.5;
-/// Largest distance along rows and columns at which the light of misplaced stars is searched, pixels; number of stars
-/// whose surroundings are averaged for it; smallest mean light there, in sigmas of the noise of a pixel and of the
-/// average.
-const SEARCH_PIX: usize = 50;
-const MOST_SEARCHED: usize = 100;
-const SEARCH_SIGMAS: [f64; 2] = [1.0, 6.0];
+/// Cause of stars without light at their positions.
+const MISPLACED: &str = "the world coordinates of the frame or the positions of the stars (epoch) are wrong";
 /// Range (relative to the assumed width) and number of the widths for which stars are drawn and compared with their
 /// images, and largest number of compared stars.
 const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
@@ -140,7 +136,6 @@ pub fn star_zero_point(
     };
     let assumed = star_profile(optics.seeing_arcsec)?;
     // The width of misplaced stars is not measured.
-    let assumed_pix = assumed.fwhm_pix();
     let mut start_arcsec = optics.seeing_arcsec;
     for _ in 0..MOST_WIDTH_RANGES {
         // A width that cannot be drawn is not measured.
@@ -170,7 +165,6 @@ pub fn star_zero_point(
     let first: Vec<f64> = bright.map(zero_point).collect();
     if first.is_empty() {
         found.faint += measured.len();
-        found.doubt = offset(image, &placed, assumed_pix).map(|pix| misplaced(image, Some(pix)));
         return Ok(found);
     }
     let first = median(first);
@@ -185,7 +179,7 @@ pub fn star_zero_point(
     let without_light = usable.iter().filter(|(candidate, _)| !candidate.stamp.is_found).count();
     if without_light as f64 > LEAST_SHARE * all as f64 {
         (found.misplaced, found.outliers) = (without_light, all - without_light);
-        found.doubt = Some(misplaced(image, offset(image, &placed, assumed_pix)));
+        found.doubt = Some(MISPLACED.to_owned());
         return Ok(found);
     }
     // Zero point from each star, with its error.
@@ -227,43 +221,6 @@ pub fn star_zero_point(
         found.zero_point_mag = Some(Estimate { value: statistics.0, sigma: error.hypot(LEAST_ERROR_MAG) });
     }
     Ok(found)
-}
-
-/// Returns a sentence about stars without light at their positions.
-fn misplaced(image: &StreakImage<'_>, offset_pix: Option<f64>) -> String {
-    let place = offset_pix.map_or_else(String::new, |pix| {
-        format!("the light of the stars is {:.1} arcsec from their positions: ", pix * image.pixel_scale_arcsec)
-    });
-    format!("{place}the world coordinates of the frame or the positions of the stars (epoch) are wrong")
-}
-
-/// Returns the distance, pixels, of the light of stars from their positions if it is the same for most of them, as the
-/// peak of the median of their surroundings. `None` if this is less than the width of a star, or without such a peak.
-fn offset(image: &StreakImage<'_>, placed: &[(PixelPosition, CatalogueStar)], fwhm_pix: f64) -> Option<f64> {
-    let mut brightest: Vec<&(PixelPosition, CatalogueStar)> = placed.iter().collect();
-    brightest.sort_by(|a, b| a.1.magnitude.total_cmp(&b.1.magnitude));
-    brightest.truncate(MOST_SEARCHED);
-    let side = 2 * SEARCH_PIX + 1;
-    let middle = |index: usize| -> f64 {
-        let [down, right] = [index / side, index % side].map(|at| at as isize - SEARCH_PIX as isize);
-        let values = brightest.iter().filter_map(|(at, _)| {
-            let row = (at.y.round() as usize).checked_add_signed(down).filter(|row| *row < image.plane.rows())?;
-            let column = (at.x.round() as usize).checked_add_signed(right).filter(|at| *at < image.plane.columns())?;
-            let value = image.background.normalised(row, column, image.plane.row(row)[column]);
-            value.is_finite().then_some(f64::from(value))
-        });
-        // The median: single bright stars beside them do not count.
-        let values: Vec<f64> = values.collect();
-        if 2 * values.len() > brightest.len() { median(values) } else { f64::NAN }
-    };
-    let middles: Vec<f64> = (0..side * side).map(middle).collect();
-    let (sky, noise) =
-        median_and_sigma(&middles.iter().copied().filter(|middle| middle.is_finite()).collect::<Vec<_>>());
-    let [least, sigmas] = SEARCH_SIGMAS;
-    let is_light = |(_, middle): &(usize, &f64)| **middle - sky > least.max(sigmas * noise);
-    let (peak, _) = middles.iter().enumerate().filter(is_light).max_by(|a, b| a.1.total_cmp(b.1))?;
-    let [down, right] = [peak / side, peak % side].map(|at| at as f64 - SEARCH_PIX as f64);
-    Some(down.hypot(right)).filter(|pix| *pix > fwhm_pix)
 }
 
 /// Returns the median and the scatter of values.

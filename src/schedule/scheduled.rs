@@ -211,7 +211,9 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
     let start_column = map.start.name;
     let mut warnings_of_file = table.warnings;
     let step_s = most_decimals.map(|decimals| scales.start * DAY_S * 10f64.powi(-decimals));
-    if let (Some(decimals), Some(step_s)) = (most_decimals, step_s.filter(|step_s| *step_s > LARGEST_STEP_S && exposures.len() > 1)) {
+    if let (Some(decimals), Some(step_s)) =
+        (most_decimals, step_s.filter(|step_s| *step_s > LARGEST_STEP_S && exposures.len() > 1))
+    {
         warnings_of_file.push(format!(
             "{start_column} has at most {}, so that starts are in steps of {step_s:.0} s, in which satellites in low orbits \
              move by up to 1 deg/s; allowed: 6 decimals of a day or more",

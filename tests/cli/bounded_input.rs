@@ -111,6 +111,7 @@ fn errors_name_their_file() {
 fn warnings_of_one_kind_are_counted() {
     let folder = TempDir::new().unwrap();
     let rows: String = (0..2000).map(|number| format!("t{number},,,60\n")).collect();
+    let rows = format!("{rows}valid,200,-30,60\n");
     let targets = file(&folder, "targets.csv", &format!("name,ra_deg,dec_deg,exposure_s\n{rows}"));
     let (code, _, stderr) = run(&[
         &["windows", "--targets", &targets, "--night", "2024-08-14"],
@@ -119,7 +120,7 @@ fn warnings_of_one_kind_are_counted() {
     ]);
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.lines().count() < 15, "{stderr}");
-    assert!(stderr.contains("target t2 has no window") && stderr.contains("1997 more targets without a window"));
+    assert!(stderr.contains("row 3, target t2 is invalid") && stderr.contains("1997 more invalid targets in the list"));
     // Names of many bands in one warning.
     let rows: String = (0..2000).map(|number| format!("{number},2024-08-14T23:30:00Z,1,217,-30,b{number}\n")).collect();
     let schedule = file(&folder, "night.csv", &format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n{rows}"));

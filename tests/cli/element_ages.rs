@@ -84,8 +84,8 @@ fn verif_element_sets_are_chosen_for_each_night() {
     assert_eq!(all["provenance"]["element_sets"], "closest to the middle of each night");
     for (index, row) in rows.iter().enumerate() {
         let alone = judged(&[*row]);
-        assert_eq!(all["exposures"][index], alone["exposures"][0], "{row:?}");
-        let age_days = all["exposures"][index]["elements_age_days"].as_f64().unwrap();
+        assert_eq!(all["flags"][index], alone["flags"][0], "{row:?}");
+        let age_days = all["flags"][index]["elements_age_days"].as_f64().unwrap();
         assert!((1.0..2.1).contains(&age_days), "{row:?} {age_days}");
     }
 }

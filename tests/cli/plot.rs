@@ -457,7 +457,7 @@ fn verif_tables_of_forecast_are_drawn() {
     let one = svg_texts(&path(&folder, "one.svg"));
     let clock = |name: &str| brightest[name].as_str().unwrap()[11..16].to_owned();
     let minutes = |text: &String| text.len() == 5 && (clock("rise_utc")..=clock("set_utc")).contains(text);
-    assert!(one.iter().any(minutes) && !sky.iter().any(minutes), "{one:?}");
+    assert!(one.iter().filter(|text| minutes(text)).count() > 4, "{one:?}");
     assert!(one.join(" ").contains("Stars to V = 6 mag and constellations at "), "{one:?}");
     // The finder chart is that of the brightest pass, with local times and a table.
     drawn(&folder, "finder", &[&["sky-chart", "--finder", "--from", &curves, "--time-zone", "America/Santiago"]], 0);

@@ -243,8 +243,9 @@ fn stars_that_are_not_at_their_positions_give_no_zero_point() {
         for assumed in [None, Some(3.0)] {
             let found = measured(&case, &scattered(40, 96), |_, magnitude| magnitude, assumed);
             assert!(found.zero_point_mag.is_none() && found.used == 0, "{shift_arcsec}: {found:?}");
-            let place = format!("the light of the stars is {:.1} arcsec from their positions", shift_arcsec.abs());
-            assert!(found.counts().contains(&place), "{shift_arcsec}: {}", found.counts());
+            let cause = "the world coordinates of the frame or the positions of the stars (epoch) are wrong";
+            // Farther away, no star has light at its position.
+            assert!(shift_arcsec > 8.0 || found.counts().ends_with(cause), "{shift_arcsec}: {}", found.counts());
         }
     }
     // An error within the reach of the centroid.
