@@ -195,7 +195,7 @@ class StreakQueueManager(BaseQueueManager):
 
     def _has_coordinates(self, visits: Any) -> BoolArray:
         """Returns which visits have coordinates, and notes the first one without."""
-        has_coordinates = np.isfinite(visits["RA"]) & np.isfinite(visits["dec"])
+        has_coordinates: BoolArray = np.isfinite(visits["RA"]) & np.isfinite(visits["dec"])
         if not has_coordinates.all():
             self.hook.note("no_coordinates", f"visit {visits['target_id'][~has_coordinates][0]} has no coordinates and is not checked")
         return has_coordinates
