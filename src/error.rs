@@ -187,7 +187,6 @@ impl Error {
     }
 
     /// Adds a remark after the sentence, before the accepted values.
-    #[cfg(all(feature = "fits", unix))]
     pub(crate) fn with_remark(mut self, remark: impl Into<String>) -> Self {
         self.inner().remark = Some(remark.into());
         self

@@ -118,7 +118,8 @@ pub enum Origin {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Constellation, parse_iso};
+    use super::super::Constellation;
+    use super::super::epoch::parse_iso;
     use super::*;
 
     fn set() -> ElementSet {

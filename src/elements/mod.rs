@@ -55,6 +55,7 @@ pub use self::{
     shell::{ConstellationSet, FIRST_SYNTHETIC_ID},
     source::SourceFile,
 };
+#[cfg(feature = "fit")]
 pub(crate) use epoch::parse_iso;
 pub(crate) use history::others_of;
 pub(crate) use record::excerpt;
