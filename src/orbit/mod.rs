@@ -36,7 +36,7 @@ pub(crate) use lateness::Lateness;
 pub(crate) use observer_orbit::ObserverOrbit;
 pub(crate) use propagator::{EphemerisCoverage, TooOld, elements_of_age, not_initialised};
 pub use propagator::{LeftOut, Propagator};
-pub(crate) use search::{Beam, Cone, Cones, CrossingCandidate, MAX_WINDOW_S, Reach, ShadowCone, Window};
+pub(crate) use search::{Beam, Cone, Cones, CrossingCandidate, MAX_WINDOW_S, Reach, SearchScope, ShadowCone, Window};
 pub use state::State;
 pub(crate) use uncertainty::LEAST_KNOWN_SHARE;
 

@@ -111,7 +111,7 @@ impl Sky {
             self.cone(scene, exposure, field, (&motion, &orientation), (mid_s, half_s))
         };
         let shadow = (!include_dark).then(|| self.dark_cone(scene, exposure));
-        let shadow = shadow.as_ref();
+        let (shadow, scope) = (shadow.as_ref(), scene.scope);
         seen.clear();
         // A telescope in orbit moves too far during several slices, so its slices are not grouped.
         let most = if flight.is_some() { 1 } else { GROUP };
@@ -136,13 +136,17 @@ impl Sky {
             let whole = if group > 1 { cone(mid_s, half_s) } else { None };
             match whole.and_then(|whole| of_window(whole.window).map(|parts| (whole, parts))) {
                 Some((PlacedCone { window, cone, teme_to_gcrs }, parts)) => {
-                    window.candidates(&Cones { whole: &cone, parts: &parts, first, shadow }, &teme_to_gcrs, seen);
+                    window.candidates(
+                        &Cones { whole: &cone, parts: &parts, first, shadow, scope },
+                        &teme_to_gcrs,
+                        seen,
+                    );
                 }
                 None => {
                     for (number, part) in (first..).zip(&parts) {
                         let Some(PlacedCone { window, cone, teme_to_gcrs }) = part else { continue };
                         window.candidates(
-                            &Cones { whole: cone, parts: &[], first: number, shadow },
+                            &Cones { whole: cone, parts: &[], first: number, shadow, scope },
                             teme_to_gcrs,
                             seen,
                         );

@@ -13,7 +13,7 @@ use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_between};
 use crate::geometry::SunTable;
-use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
+use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, SearchScope, Window};
 use crate::watch::Watch;
 
 /// Sun, Earth orientation and orbits during one group of exposures. Times are seconds after its start.
@@ -23,6 +23,8 @@ pub(in crate::passes) struct Scene {
     pub sun: SunTable,
     /// Search windows in order of time, without gaps; empty if no satellites are searched.
     pub windows: Vec<Arc<Window>>,
+    /// Satellites that are searched for.
+    pub scope: SearchScope,
 }
 
 impl Scene {
@@ -90,20 +92,11 @@ impl Almanac {
     }
 }
 
-/// Smallest number of cached windows: three windows of a night for each of the two scopes, and two more.
-const LEAST_CACHED_WINDOWS: usize = 8;
+/// Smallest number of cached windows: three windows of a night, and one more.
+const LEAST_CACHED_WINDOWS: usize = 4;
 /// Number of satellites in all cached windows together, of 140 bytes each. A schedule uses its nights several times,
 /// and computing the three windows of a night takes as long as the crossings of 700 exposures.
 const CACHED_SATELLITES: usize = 500_000;
-
-/// Satellites that a window must find.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(in crate::passes) enum SearchScope {
-    /// Satellites that cross at their predicted positions.
-    Nominal,
-    /// Satellites that cross with a delay and a cross-track offset within their errors.
-    Delayed,
-}
 
 /// Returns the start of window 0. It is in UTC, as the epochs of element sets, so that times of windows are compared with
 /// them without a conversion for each satellite.
@@ -121,13 +114,11 @@ pub(in crate::passes) fn middle_of_window(number: i64) -> Epoch {
     seconds_after(start_of_windows(), MAX_WINDOW_S * (number as f64 + 0.5))
 }
 
-/// Number of a window on the grid of six hours, and its scope.
-type Key = (i64, SearchScope);
-
 /// Cache of the most recently used windows, the newest last.
 #[derive(Debug, Default)]
 pub(in crate::passes) struct WindowCache {
-    kept: Mutex<Vec<(Key, Arc<Window>)>>,
+    /// Windows with their numbers on the grid of six hours.
+    kept: Mutex<Vec<(i64, Arc<Window>)>>,
 }
 
 impl WindowCache {
@@ -136,13 +127,12 @@ impl WindowCache {
     ///
     /// `unknown` returns the reason why a satellite has no known position at a time; its arguments are the element index
     /// and the middle of a window. `reach` returns the distance from the predicted position within which a satellite is
-    /// searched for; its arguments are the element index and the two ends of a window. It must be the same function for
-    /// the same `scope`.
+    /// searched for; its arguments are the element index and the two ends of a window. It must be the same function in
+    /// every call.
     pub fn over(
         &self,
         index: &SatelliteIndex,
         [start, end]: [Epoch; 2],
-        scope: SearchScope,
         unknown: &(dyn Fn(usize, Epoch) -> Option<Error> + Sync),
         reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),
         watch: &Watch,
@@ -150,8 +140,7 @@ impl WindowCache {
         let most = (CACHED_SATELLITES / index.len().max(1)).max(LEAST_CACHED_WINDOWS);
         (window_number(start)..=window_number(end))
             .map(|number| {
-                let key = (number, scope);
-                if let Some(window) = self.kept(key) {
+                if let Some(window) = self.kept(number) {
                     return Ok(window);
                 }
                 // Computed while the lock is not held, because the threads that compute the window may use the cache.
@@ -166,25 +155,25 @@ impl WindowCache {
                     &|element_index| reach(element_index, ends),
                     watch,
                 )?);
-                self.keep(key, &window, most);
+                self.keep(number, &window, most);
                 Ok(window)
             })
             .collect()
     }
 
-    fn kept(&self, key: Key) -> Option<Arc<Window>> {
+    fn kept(&self, number: i64) -> Option<Arc<Window>> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        let position = kept.iter().position(|(known, _)| *known == key)?;
+        let position = kept.iter().position(|(known, _)| *known == number)?;
         let found = kept.remove(position);
         let window = found.1.clone();
         kept.push(found);
         Some(window)
     }
 
-    fn keep(&self, key: Key, window: &Arc<Window>, most: usize) {
+    fn keep(&self, number: i64, window: &Arc<Window>, most: usize) {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if kept.iter().all(|(known, _)| *known != key) {
-            kept.push((key, Arc::clone(window)));
+        if kept.iter().all(|(known, _)| *known != number) {
+            kept.push((number, Arc::clone(window)));
             let surplus = kept.len().saturating_sub(most);
             kept.drain(..surplus);
         }

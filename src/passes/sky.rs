@@ -12,7 +12,7 @@ use super::measured::MeasuredPasses;
 use super::models::{ModelChoice, Priors};
 use super::predictability::PredictabilityCache;
 use super::probability::REACH_SIGMAS;
-use super::scene::{Almanac, Scene, SearchScope, WindowCache};
+use super::scene::{Almanac, Scene, WindowCache};
 use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
 use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
@@ -21,7 +21,7 @@ use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seco
 use crate::geometry::{Observer, ShadowModel, SunTable};
 use crate::orbit::{
     DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, MeanMotion, OrbitArc, OrbitClass, OrbitModel,
-    OrbitUncertainty, Propagator, Reach, SatelliteIndex, TooOld, uncertainty,
+    OrbitUncertainty, Propagator, Reach, SatelliteIndex, SearchScope, TooOld, uncertainty,
 };
 use crate::photometry::BrightnessModel;
 use crate::watch::Watch;
@@ -402,30 +402,26 @@ impl Sky {
     pub(super) fn scene_without_windows(&self, start: Epoch, span_s: f64) -> Scene {
         let end = seconds_after(start, span_s);
         let (orientation, sun) = self.almanac.over(start, end, &self.eop);
-        Scene { start, orientation, sun, windows: Vec::new() }
+        Scene { start, orientation, sun, windows: Vec::new(), scope: SearchScope::Nominal }
     }
 
     /// Returns a scene with Sun, Earth orientation and search windows.
     pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Result<Scene, Error> {
-        let mut scene = self.scene_without_windows(start, span_s);
-        let reach = |element_index: usize, ends: [Epoch; 2]| match scope {
-            SearchScope::Nominal => Reach::default(),
-            SearchScope::Delayed => {
-                let class = &self.classes[element_index];
-                let ages_days = ends.map(|epoch| self.element_age_days(element_index, epoch));
-                let age_days = ages_days[0].abs().max(ages_days[1].abs());
-                let (stated_s, stated_km) = self.index.largest_stated_errors(element_index);
-                let stated = Lateness::gaussian(stated_s);
-                Reach {
-                    along_track_s: class.largest_reach_s(ages_days).max(stated.reach_s()),
-                    cross_track_km: REACH_SIGMAS * class.cross_track_km(age_days).max(stated_km),
-                }
+        let reach = |element_index: usize, ends: [Epoch; 2]| {
+            let class = &self.classes[element_index];
+            let ages_days = ends.map(|epoch| self.element_age_days(element_index, epoch));
+            let age_days = ages_days[0].abs().max(ages_days[1].abs());
+            let (stated_s, stated_km) = self.index.largest_stated_errors(element_index);
+            let stated = Lateness::gaussian(stated_s);
+            Reach {
+                along_track_s: class.largest_reach_s(ages_days).max(stated.reach_s()),
+                cross_track_km: REACH_SIGMAS * class.cross_track_km(age_days).max(stated_km),
             }
         };
         let unknown = |element_index: usize, middle: Epoch| self.too_old(element_index, middle);
         let end = seconds_after(start, span_s);
-        scene.windows = self.windows.over(&self.index, [start, end], scope, &unknown, &reach, &self.watch)?;
-        Ok(scene)
+        let windows = self.windows.over(&self.index, [start, end], &unknown, &reach, &self.watch)?;
+        Ok(Scene { windows, scope, ..self.scene_without_windows(start, span_s) })
     }
 }
 

@@ -8,7 +8,7 @@ use super::error::check_epoch;
 use super::evaluator::PassEvaluator;
 use super::exposure::Exposure;
 use super::field::Field;
-use super::scene::{Scene, SearchScope};
+use super::scene::Scene;
 use super::sky::Sky;
 use super::track::{SightLine, TrackPoint};
 use crate::constants::EARTH_ROTATION_RAD_S;
@@ -16,7 +16,7 @@ use crate::elements::NoradId;
 use crate::error::Error;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::{ObserverState, ViewingGeometry};
-use crate::orbit::{LeftOut, OrbitArc};
+use crate::orbit::{LeftOut, OrbitArc, SearchScope};
 use crate::photometry::{Brightness, PhotometryOptions};
 
 /// Largest time after the start, seconds. It limits the motion of the site during the search.

@@ -38,8 +38,8 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
 
 
 class ConditionsCheck:
-    """Compares site and times of the scheduler with the model, the clock of this computer and the altitude of the Sun; site
-    and Sun once for each time of the conditions."""
+    """Compares site and times of the scheduler with the model, the clock of this computer and the altitude of the Sun, once
+    for each time of the conditions: those of a queue are minutes old when its last visit is dispatched."""
 
     def __init__(self, hook: Hook, scale: str) -> None:
         self._hook, self._scale = hook, scale
@@ -47,12 +47,12 @@ class ConditionsCheck:
         self._checked_mjd: Any = None
 
     def __call__(self, conditions: Any) -> None:
-        self._hook.check_clock(lambda: float(np.max(conditions.mjd)), self._scale)
         mjd = getattr(conditions, "mjd", None)
         if mjd is not None and np.array_equal(mjd, self._checked_mjd):
             return
         # The scheduler may change its array.
         self._checked_mjd = None if mjd is None else np.copy(mjd)
+        self._hook.check_clock(lambda: float(np.max(conditions.mjd)), self._scale)
 
         def location() -> tuple[float, float, float]:
             site = conditions.site

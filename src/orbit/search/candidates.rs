@@ -36,14 +36,14 @@ impl Window {
         let single = std::slice::from_ref(cones.whole);
         let parts = if cones.parts.is_empty() { single } else { cones.parts };
         let numbers = cones.first..cones.first + parts.len() as u32;
+        let test = |cone| ConeTest::new(cone, teme_to_gcrs, self.span_s, cones.scope);
+        let whole = test(cones.whole);
         for &(element_index, along_track_s) in &self.always {
             candidates.extend(numbers.clone().zip(parts).map(|(cone, part)| {
-                let half_s = part.half_duration_s as f32 + along_track_s;
+                let half_s = (part.half_duration_s + whole.delay_s(along_track_s)) as f32;
                 CrossingCandidate { element_index, cone, near_s: [-half_s, half_s], is_dark: false }
             }));
         }
-        let test = |cone| ConeTest::new(cone, teme_to_gcrs, self.span_s);
-        let whole = test(cones.whole);
         let of_parts: Vec<ConeTest<'_>> = cones.parts.iter().map(test).collect();
         let shadow = cones.shadow.map(|shadow| shadow.in_teme(teme_to_gcrs));
         self.planes(&whole, |chunk, lane, phase| {
@@ -60,7 +60,7 @@ impl Window {
                 candidates.push(candidate(cones.first, in_whole));
             }
             // A satellite that is inside a part is inside the whole cone at the same time, whatever its delay.
-            let delay_s = f64::from(phase.along_track_s);
+            let delay_s = whole.delay_s(phase.along_track_s);
             let since_s = cones.whole.mid_s;
             let is_then = |part: &ConeTest<'_>| {
                 let [from_s, to_s] = part.interval_s().map(|time_s| time_s - since_s);

@@ -38,6 +38,17 @@ pub struct Cones<'a> {
     pub first: u32,
     /// Region of the shadow in which no satellite is lit; `None` if satellites in shadow are searched for, too.
     pub shadow: Option<&'a ShadowCone>,
+    /// Satellites that are searched for.
+    pub scope: SearchScope,
+}
+
+/// Satellites that a search finds.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum SearchScope {
+    /// Satellites that cross at their predicted positions.
+    Nominal,
+    /// Satellites that cross with a delay and a cross-track offset within their errors.
+    Delayed,
 }
 
 /// Result of the phase test for a satellite that may be inside a cone.
@@ -57,11 +68,12 @@ pub(super) struct ConeTest<'a> {
     beam: Beam,
     fraction: f64,
     moved_km: f64,
+    scope: SearchScope,
 }
 
 impl<'a> ConeTest<'a> {
     /// Transforms a cone to TEME; `window_span_s` is the length of the window.
-    pub fn new(cone: &'a Cone, teme_to_gcrs: &Rotation<Teme, Gcrs>, window_span_s: f64) -> Self {
+    pub fn new(cone: &'a Cone, teme_to_gcrs: &Rotation<Teme, Gcrs>, window_span_s: f64, scope: SearchScope) -> Self {
         let gcrs_to_teme = teme_to_gcrs.inverse();
         Self {
             cone,
@@ -69,7 +81,14 @@ impl<'a> ConeTest<'a> {
             beam: Beam::new(*(gcrs_to_teme * cone.axis).vector(), cone.radius_rad),
             fraction: cone.mid_s / window_span_s,
             moved_km: cone.observer_speed_km_s * cone.half_duration_s,
+            scope,
         }
+    }
+
+    /// Returns the largest delay with which a satellite is searched for, seconds.
+    #[inline]
+    pub fn delay_s(&self, along_track_s: f32) -> f64 {
+        if self.scope == SearchScope::Nominal { 0.0 } else { f64::from(along_track_s) }
     }
 
     pub fn observer(&self) -> &Vector3<f64> {
@@ -110,7 +129,7 @@ impl<'a> ConeTest<'a> {
     /// interval.
     #[inline]
     pub fn may_be_over(&self, cap: &Cap, phase: &Phase, normal: &Vector3<f64>) -> bool {
-        let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
+        let half_s = self.cone.half_duration_s + self.delay_s(phase.along_track_s);
         phase.only_plane
             || cap.may_hold(phase, normal, self.cone.mid_s, half_s, f64::from(phase.slop_km) + self.moved_km)
     }
@@ -124,7 +143,7 @@ impl<'a> ConeTest<'a> {
         normal: &Vector3<f64>,
         shadow: Option<&ShadowConeInTeme>,
     ) -> Option<ConePassage> {
-        let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
+        let half_s = self.cone.half_duration_s + self.delay_s(phase.along_track_s);
         if phase.only_plane {
             return Some(ConePassage { near_s: [-half_s, half_s], is_dark: false });
         }

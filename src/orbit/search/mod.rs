@@ -14,5 +14,5 @@ mod side;
 mod window;
 
 pub use candidates::CrossingCandidate;
-pub use cone::{Beam, Cone, Cones, ShadowCone};
+pub use cone::{Beam, Cone, Cones, SearchScope, ShadowCone};
 pub use window::{MAX_WINDOW_S, Reach, Window};

@@ -74,7 +74,7 @@ const BAND: f32 = 0.05;
 /// Number of satellites that share one shell in the plane test; a multiple of the number of f32 in the widest vector.
 pub(super) const CHUNK: usize = 64;
 
-/// Distance from the predicted position within which a satellite is searched for; zero to find nominal crossings only.
+/// Distance from the predicted position within which a satellite is searched for with delays.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct Reach {
     /// Distance along the track as a time, seconds.

@@ -7,14 +7,13 @@ use super::super::candidates::{ABERRATION_MARGIN_RAD, CandidateInterval};
 use super::super::crossing::cross;
 use super::super::exposure::Exposure;
 use super::super::field::{Field, FieldOnSky};
-use super::super::scene::SearchScope;
 use super::super::sky::Sky;
 use super::super::track::{Chord, ObserverMotion, SightLine};
 use super::exposed_field::{ExposedField, NearSatellite};
 use crate::constants::WGS72_MU_KM3_S2;
 use crate::error::Error;
 use crate::frames::Gcrs;
-use crate::orbit::{Beam, LeftOut, State};
+use crate::orbit::{Beam, LeftOut, SearchScope, State};
 
 /// Longest interval that one SGP4 position covers, seconds. During half of it, the path deviates from its tangent by 4
 /// km.

@@ -28,7 +28,6 @@ use super::super::exposure::Exposure;
 use super::super::field::Field;
 use super::super::intervals::intervals_where;
 use super::super::probability::{Delays, REACH_SIGMAS, crossing_odds};
-use super::super::scene::SearchScope;
 use super::super::sky::Sky;
 use super::super::track::{ObserverMotion, Pass, SightLine};
 use super::exposed_field::ExposedField;
@@ -36,7 +35,7 @@ use super::options::PassOptions;
 use crate::error::Error;
 use crate::frames::{Orientation, seconds_after};
 use crate::geometry::{Aspect, Observer, ViewingGeometry};
-use crate::orbit::{Cones, CrossingCandidate, OrbitArc, OrbitUncertainty};
+use crate::orbit::{Cones, CrossingCandidate, OrbitArc, OrbitUncertainty, SearchScope};
 use crate::photometry::{Band, PhotometryOptions};
 
 /// Length of a piece of an exposure, seconds. During a piece the site moves by at most 5 km. At the distance of
@@ -216,7 +215,7 @@ impl ExposedField<'_> {
             else {
                 continue;
             };
-            let cones = Cones { whole: &cone, parts: &[], first, shadow: shadow.as_ref() };
+            let cones = Cones { whole: &cone, parts: &[], first, shadow: shadow.as_ref(), scope: self.scene.scope };
             window.candidates(&cones, &teme_to_gcrs, seen);
         }
         seen.retain(|candidate| !candidate.is_dark);

@@ -5,13 +5,13 @@ use rayon::prelude::*;
 use super::super::candidates::CandidateInterval;
 use super::super::exposure::{Exposure, groups};
 use super::super::field::Field;
-use super::super::scene::{Scene, SearchScope, middle_of_window, window_number};
+use super::super::scene::{Scene, middle_of_window, window_number};
 use super::super::sky::Sky;
 use super::super::track::Pass;
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::error::Error;
-use crate::orbit::{CrossingCandidate, LeftOut};
+use crate::orbit::{CrossingCandidate, LeftOut, SearchScope};
 
 /// Passes through a field, grouped by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
