@@ -1,9 +1,10 @@
 //! Columns of schedules and target lists that contradict those that are read, or change their meaning.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::super::error;
-use super::columns::{Cell, Quantity};
+use super::columns::{Cell, Quantity, ScheduleRow};
 use super::raw_table::RawTable;
 use crate::error::Error;
 use crate::frames::{parse_declination_deg, parse_right_ascension_deg};
@@ -86,6 +87,8 @@ const COUNTS: &[&str] = &[
 ];
 /// Those that are also names of columns of text, such as kinds of frames.
 const ALSO_TEXTS: &[&str] = &["exposures", "frames", "loops", "repeat", "repeats", "snaps", "stack", "subs"];
+/// Number of rows by which a column of running numbers is recognised.
+const COMPARED_ROWS: usize = 20;
 /// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by less
 /// than 0.1 arcsec. Other texts may be the numbers, names or types of frames.
 const OTHER_FRAMES: &[&str] = &[
@@ -182,7 +185,8 @@ impl Checks {
             // The unit of `exposure_s` is not the plural of `exposures`.
             let meaning =
                 of_row.or_else(|| (COUNTS.contains(&&*name) && !lower.ends_with("_s")).then_some(Meaning::Count))?;
-            (Some(index) != counted).then(|| (index, table.names[index].clone(), meaning))
+            let is_number = meaning == Meaning::Count && numbers_rows(table, index);
+            (Some(index) != counted && !is_number).then(|| (index, table.names[index].clone(), meaning))
         };
         Ok(Self { others, meanings: (0..table.names.len()).filter_map(meaning).collect() })
     }
@@ -236,6 +240,13 @@ impl Checks {
     }
 }
 
+/// Returns true if a column has the running numbers of the rows, by the first of them.
+fn numbers_rows(table: &RawTable, index: usize) -> bool {
+    let value = |row: Cow<'_, ScheduleRow>| row.as_ref().as_ref().ok()?.get(index)?.number().ok();
+    let values: Vec<f64> = table.rows.iter().take(COMPARED_ROWS).filter_map(value).collect();
+    values.len() > 2 && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
+}
+
 /// Returns true for the name of a frame with other axes than ICRS.
 fn is_other_frame(name: &str) -> bool {
     let letters: String = name.to_ascii_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
@@ -262,6 +273,17 @@ mod tests {
         table.units.insert("ra".to_owned(), "h:m:s".to_owned());
         let read = [(Some(0), &DURATIONS), (Some(1), &RIGHT_ASCENSIONS)];
         assert_eq!(Checks::find(Path::new("t.ecsv"), &table, &read, None).unwrap().others, []);
+    }
+
+    #[test]
+    fn a_column_of_running_numbers_counts_no_exposures() {
+        for (values, is_counted) in [(["1", "2", "3"], false), (["0", "1", "2"], false), (["1", "1", "2"], true)] {
+            let mut table = RawTable::new(ScheduleFormat::Csv, ["duration_s", "count"].map(str::to_owned).to_vec());
+            let row = |value: &&str| Ok(vec![Cell::from_text("30"), Cell::from_text(value)]);
+            table.rows = values.iter().map(row).collect::<Vec<_>>().into();
+            let checks = Checks::find(Path::new("t.csv"), &table, &[(Some(0), &DURATIONS)], None).unwrap();
+            assert_eq!(!checks.meanings.is_empty(), is_counted, "{values:?}");
+        }
     }
 
     #[test]
