@@ -141,7 +141,7 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
                 3,
                 "Total length of the shutter openings allowed by the altitudes of target and Sun.",
             ),
-            Column::new("n_dodged", Kind::Integer, "Number of passes between the windows."),
+            Column::new("n_dodged", Kind::Integer, "Number of passes that block observable times."),
             Column::new(
                 "reason",
                 Kind::Text,

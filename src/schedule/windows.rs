@@ -16,6 +16,10 @@ use super::shift::{Interval, clear_starts};
 use super::starts::reason_for_unknown_starts;
 use super::verdict_rules::blocks;
 
+/// Time before and after the times allowed by altitudes and limits, and their margins, in which satellites are searched that
+/// may be late or early, seconds.
+const SEARCHED_BEYOND_S: f64 = 600.0;
+
 /// Sky, policy and constraints for clear windows.
 pub struct WindowRequest<'a> {
     /// Sky, field, telescope, photometry and policy: blocking satellites, magnitude limits, margin and probability are
@@ -57,7 +61,7 @@ pub struct TargetWindows {
     pub observable: Vec<ClearWindow>,
     /// Longest time within the range in which these conditions allow an open shutter, seconds.
     pub longest_s: f64,
-    /// Passes that block part of the range, in order of entry.
+    /// Passes that block a part of the times allowed by these conditions, in order of entry.
     pub blocking_passes: Vec<Pass>,
     /// Reason why windows of a part of the range, or all of them, are unknown and omitted; `None` if there is none.
     pub unknown: Option<String>,
@@ -127,25 +131,54 @@ fn windows_of(
     if span_s < 0.0 {
         return Ok(WindowReport { by_target: vec![TargetWindows::default(); targets.len()], left_out: Vec::new() });
     }
-    let searched = sky.viewpoint().known_part([from, to], margin_s, margin_s);
-    let [start, end] = searched.unwrap_or([from, to]);
-    let duration_s = seconds_between(start, end);
-    let exposures: Vec<Exposure> =
-        targets.iter().map(|target| Exposure { start, duration_s, ..target.exposure.clone() }).collect();
-    let (blocked, left_out) = if request.conditions.every_crossing_blocks(policy.blocking) && !with_passes {
+    let constraint = ObservabilityConstraint::new(request, from, span_s)?;
+    let allowed: Vec<Vec<Interval>> = targets
+        .iter()
+        .map(|target| {
+            sky.watch().check()?;
+            Ok(constraint.observable(&target.exposure))
+        })
+        .collect::<Result<_, Error>>()?;
+    let [start, end] = sky.viewpoint().known_part([from, to], margin_s, margin_s).unwrap_or([from, to]);
+    let ends_s = [start, end].map(|epoch| seconds_between(from, epoch));
+    let (owners, exposures): (Vec<usize>, Vec<Exposure>) = targets
+        .iter()
+        .zip(&allowed)
+        .enumerate()
+        .flat_map(|(owner, (target, allowed))| {
+            let long =
+                allowed.iter().filter(|interval| interval.end_s - interval.start_s >= target.exposure.duration_s);
+            let searched = with_edges(long, SEARCHED_BEYOND_S + margin_s, ends_s).into_iter();
+            searched.map(move |Interval { start_s, end_s }| {
+                let start = seconds_after(from, start_s);
+                (owner, Exposure { start, duration_s: end_s - start_s, ..target.exposure.clone() })
+            })
+        })
+        .unzip();
+    let (found, left_out) = if request.conditions.every_crossing_blocks(policy.blocking) && !with_passes {
         crossings(from, &exposures, request)?
     } else {
-        passes(targets, from, &exposures, request)?
+        let targets: Vec<&WindowTarget> = owners.iter().map(|owner| &targets[*owner]).collect();
+        passes(&targets, from, &exposures, request)?
     };
-    let constraint = ObservabilityConstraint::new(request, from, span_s)?;
+    let mut blocked: Vec<Blocked> = targets.iter().map(|_| Blocked::default()).collect();
+    for (owner, Blocked { intervals, blocking_passes }) in owners.into_iter().zip(found) {
+        blocked[owner].intervals.extend(intervals);
+        blocked[owner].blocking_passes.extend(blocking_passes);
+    }
     let by_target = targets
         .iter()
+        .zip(allowed)
         .zip(blocked)
-        .map(|(target, Blocked { intervals, mut blocking_passes })| {
+        .map(|((target, allowed), Blocked { intervals, mut blocking_passes })| {
             sky.watch().check()?;
             let exposure = &target.exposure;
-            let allowed = constraint.observable(exposure);
             let longest_s = allowed.iter().map(|interval| interval.end_s - interval.start_s).fold(0.0, f64::max);
+            blocking_passes.retain(|pass| {
+                let [enter_s, exit_s] = [&pass.enter, &pass.exit].map(|point| seconds_between(from, point.epoch));
+                let is_then = |interval: &Interval| enter_s <= interval.end_s && exit_s >= interval.start_s;
+                with_passes && allowed.iter().any(is_then)
+            });
             let observable: Vec<Interval> = allowed
                 .into_iter()
                 .filter_map(|interval| {
@@ -166,9 +199,6 @@ fn windows_of(
                 unknown = unknown.take().or(reason.clone());
                 reason.is_none()
             });
-            if !with_passes {
-                blocking_passes.clear();
-            }
             Ok(TargetWindows {
                 windows,
                 unknown,
@@ -181,22 +211,38 @@ fn windows_of(
     Ok(WindowReport { by_target, left_out })
 }
 
+/// Extends intervals on both sides by `beyond_s` within the two `ends_s`, and joins those that then overlap. They are in
+/// order of time.
+fn with_edges<'a>(intervals: impl Iterator<Item = &'a Interval>, beyond_s: f64, ends_s: [f64; 2]) -> Vec<Interval> {
+    let mut joined: Vec<Interval> = Vec::new();
+    for interval in intervals {
+        let start_s = (interval.start_s - beyond_s).max(ends_s[0]);
+        let end_s = (interval.end_s + beyond_s).min(ends_s[1]);
+        match joined.last_mut() {
+            Some(last) if start_s <= last.end_s => last.end_s = end_s,
+            _ => joined.push(Interval { start_s, end_s }),
+        }
+    }
+    joined
+}
+
 /// Intervals in which satellites block one target, seconds after the start of the range, and the blocking passes.
+#[derive(Default)]
 struct Blocked {
     intervals: Vec<Interval>,
     blocking_passes: Vec<Pass>,
 }
 
-/// Returns blocked intervals and passes of each target, with magnitudes and probabilities.
+/// Returns blocked intervals and passes of each exposure of a target, with magnitudes and probabilities.
 fn passes(
-    targets: &[WindowTarget],
+    targets: &[&WindowTarget],
     from: Epoch,
     exposures: &[Exposure],
     request: &WindowRequest<'_>,
 ) -> Result<(Vec<Blocked>, Vec<LeftOut>), Error> {
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     let passes = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
-    let of = |((target, searched), passes): ((&WindowTarget, &Exposure), Vec<Pass>)| {
+    let of = |((target, searched), passes): ((&&WindowTarget, &Exposure), Vec<Pass>)| {
         sky.watch().check()?;
         let limits = request.conditions.limits(target.band.as_deref(), target.exposure.duration_s);
         let blocking_passes: Vec<Pass> =
@@ -213,7 +259,7 @@ fn passes(
     Ok((blocked, passes.left_out))
 }
 
-/// Returns blocked intervals of each target if every lit crossing blocks.
+/// Returns blocked intervals of each exposure if every lit crossing blocks.
 fn crossings(
     from: Epoch,
     exposures: &[Exposure],

@@ -551,8 +551,10 @@ fn the_gate_answers_at_its_deadline() {
     let status = path(&folder, "status.json");
     let base: &[&str] = &["gate", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "60deg", "--exposure", "24h"];
     let limits: &[&str] = &["--max-wait", "24h", "--timeout", "0.1s", "--now", NOW, "--status-file", &status];
+    // A target that never sets is searched for the whole time.
+    let pointing: &[&str] = &["--ra", "217.5", "--dec", "-80"];
     for (strict, expected) in [(&[][..], 0), (&["--strict"], 2)] {
-        let (code, _, stderr) = run(&[base, POINTING, limits, strict]);
+        let (code, _, stderr) = run(&[base, pointing, limits, strict]);
         assert_eq!(code, expected, "{stderr}");
         let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
         assert_eq!(record["fault"], "timeout", "{record}");

@@ -4,7 +4,7 @@ use hifitime::Epoch;
 use streakcast::elements::Constellation;
 use streakcast::frames::{Direction, EopTable, seconds_after, seconds_between};
 use streakcast::geometry::{EarthLimb, Observer, Site};
-use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, Sky};
+use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, Pass, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, VerdictKind, WindowRequest,
@@ -58,7 +58,8 @@ fn windows(min_altitude_rad: f64, conditions: &FlagRequest<'_>) -> Vec<Vec<Clear
     let request = WindowRequest { conditions: *conditions, min_altitude_rad, max_sun_altitude_rad: None };
     let report = clear_windows(&targets, dusk(), seconds_after(dusk(), SPAN_S), &request);
     let by_target = report.expect("windows").by_target;
-    assert!(by_target.iter().any(|one| !one.blocking_passes.is_empty()));
+    let blocked = by_target.iter().any(|one| !one.blocking_passes.is_empty());
+    assert_eq!(blocked, by_target.iter().any(|one| !one.observable.is_empty()));
     let alone = clear_windows_without_passes(&targets, dusk(), seconds_after(dusk(), SPAN_S), &request);
     for (alone, one) in alone.expect("windows").by_target.iter().zip(&by_target) {
         assert_eq!(
@@ -140,6 +141,41 @@ fn windows_end_at_the_minimum_altitude() {
     // With a limit above the altitude of all targets there are no windows.
     let none = windows(1.57, &request);
     assert!(none.iter().all(Vec::is_empty));
+}
+
+/// Windows of several nights are those of each, and only passes while a target is observable block it.
+#[test]
+fn windows_of_several_nights() {
+    const DAY_S: f64 = 86_400.0;
+    let (sky, field) = (sky(), Field::circle(3.5f64.to_radians()).expect("a field"));
+    let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
+    let conditions =
+        FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    let (min_altitude_rad, max_sun_altitude_rad) = (30f64.to_radians(), Some(-6f64.to_radians()));
+    let request = WindowRequest { conditions, min_altitude_rad, max_sun_altitude_rad };
+    let noon = seconds_after(dusk(), -0.25 * DAY_S);
+    let over = |first: f64, last: f64| {
+        let pointing = Direction::from_lon_lat_rad(300f64.to_radians(), -30f64.to_radians());
+        let target = WindowTarget { exposure: Exposure { pointing, ..exposure(noon, EXPOSURE_S, 0) }, band: None };
+        let [from, to] = [first, last].map(|days| seconds_after(noon, days * DAY_S));
+        clear_windows(&[target], from, to, &request).expect("windows").by_target.remove(0)
+    };
+    let all = over(0.0, 3.0);
+    let each: Vec<_> = [0.0, 1.0, 2.0].map(|day| over(day, day + 1.0)).into();
+    let windows: Vec<_> = each.iter().flat_map(|night| night.windows.clone()).collect();
+    assert!(windows.len() > 10, "{} windows", windows.len());
+    assert_eq!(all.windows.len(), windows.len());
+    for (one, other) in all.windows.iter().zip(&windows) {
+        for (one, other) in [(one.first, other.first), (one.last, other.last)] {
+            assert!(seconds_between(one, other).abs() < 0.0015, "{one} {other}");
+        }
+    }
+    assert_eq!(all.blocking_passes.len(), each.iter().map(|night| night.blocking_passes.len()).sum::<usize>());
+    let is_observable = |pass: &Pass| {
+        let last = |one: &ClearWindow| seconds_after(one.last, EXPOSURE_S);
+        all.observable.iter().any(|one| pass.exit.epoch >= one.first && pass.enter.epoch <= last(one))
+    };
+    assert!(all.blocking_passes.iter().all(is_observable));
 }
 
 #[test]
