@@ -464,7 +464,7 @@ fn mean_motion_json(sky: &Sky, from_files: usize, at: Epoch) -> serde_json::Valu
     };
     let of = |wanted: &[MeanMotion]| wanted.iter().filter_map(|motion| counts.get(motion)).sum::<usize>();
     json!({
-        "two_or_three_epochs": of(&[MeanMotion::TwoSets, MeanMotion::Enclosed]),
+        "two_or_three_epochs": of(&[MeanMotion::TwoSets, MeanMotion::Disagreeing, MeanMotion::Enclosed]),
         "four_epochs": of(&[MeanMotion::FourSets]),
         "shell": of(&[MeanMotion::Shell]),
         "arrived_at_shell": of(&[MeanMotion::Arrived]),

@@ -102,17 +102,18 @@ impl OrbitModel {
             (Self::from_links(set, &links, drag), links)
         };
         let alone: Vec<(Self, Links)> = sets.par_iter().map(of_one).collect();
-        let keeping = alone.iter().map(|(model, _)| model).filter(|model| model.keeps_mean_motion());
-        let shells = Shells::new(
-            keeping.map(|model| (model.elements.inclination_deg, model.elements.mean_motion_rev_day)).collect(),
-        );
+        let keeping = alone.iter().filter(|(model, _)| model.keeps_mean_motion());
+        let mean_motions = keeping
+            .filter_map(|(model, links)| Some((model.elements.inclination_deg, links.best()?.mean_motion_rev_day)));
+        let shells = Shells::new(mean_motions.collect());
         let pairs = alone.into_par_iter().zip(sets);
         pairs.map(|((model, links), set)| model.in_shell(set, &links, &shells)).collect()
     }
 
     /// Returns true if the satellite kept its mean motion between the epochs of two element sets.
     fn keeps_mean_motion(&self) -> bool {
-        matches!(self.class.kind, OrbitKind::Starlink(class, MeanMotion::TwoSets | MeanMotion::FourSets) if class.has_shells())
+        let OrbitKind::Starlink(class, motion) = self.class.kind else { return false };
+        class.has_shells() && motion.is_of_older_sets()
     }
 
     /// Returns the orbit with the mean motion of the shell of the satellite, if it is in one.
@@ -122,7 +123,7 @@ impl OrbitModel {
         // A change of the orbit was before the epoch, and not after it.
         let is_before = links.best().is_none_or(|link| link.days < 0.0);
         let mean_motion = match motion {
-            MeanMotion::TwoSets | MeanMotion::FourSets => self.elements.mean_motion_rev_day,
+            _ if motion.is_of_older_sets() => self.elements.mean_motion_rev_day,
             MeanMotion::OneSet | MeanMotion::Changed | MeanMotion::Coasting if is_before => kept,
             _ => return self,
         };
@@ -162,8 +163,13 @@ impl OrbitModel {
                     return with(plain, MeanMotion::Enclosed, link.days);
                 }
                 let (elements, phases) = links.with_line(plain, link, period_s);
-                let four = phases == LINE_DAYS.len() && class != StarlinkClass::Parked;
-                return with(elements, if four { MeanMotion::FourSets } else { MeanMotion::TwoSets }, link.days);
+                let has_four = links.all.len() > LINE_DAYS.len() && class != StarlinkClass::Parked;
+                let motion = match phases == LINE_DAYS.len() {
+                    _ if !has_four => MeanMotion::TwoSets,
+                    true => MeanMotion::FourSets,
+                    false => MeanMotion::Disagreeing,
+                };
+                return with(elements, motion, link.days);
             }
         }
         if kept.is_some() && class != StarlinkClass::DirectToCell && is_coasting(set, nearest) {

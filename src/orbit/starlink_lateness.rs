@@ -24,6 +24,8 @@ const FLOOR_S: f64 = 0.13;
 const LEAST_DRAG_S_DAY2: f64 = 0.01;
 /// Width of the lateness of satellites that manoeuvred, s per day of age.
 const MANOEUVRE_S_DAY: f64 = 90.0;
+/// Factor of the core of two sets if there are four that do not all agree.
+const DISAGREEING: f64 = 1.7;
 /// Largest share of satellites that manoeuvred; the ages in the calibration end at 21 days.
 const LARGEST_MANOEUVRING: f64 = 0.5;
 /// Largest share of the wide Gaussian of classes whose satellites change their orbits.
@@ -90,6 +92,10 @@ pub(super) fn lateness(
         MeanMotion::OneSet => of_one_set(class, age, drag_s_day2),
         MeanMotion::TwoSets => of_two_sets(class, 1.0, age, age / baseline_days.abs()),
         MeanMotion::FourSets => of_four_sets(class, age),
+        MeanMotion::Disagreeing => {
+            let two = of_two_sets(class, 1.0, age, age / baseline_days.abs());
+            Shape { core_s: DISAGREEING * two.core_s, ..two }
+        }
         MeanMotion::Enclosed => of_enclosing_sets(class, age_days, baseline_days),
         MeanMotion::Shell => of_shell(class, age),
         MeanMotion::Arrived => of_arrived(class, age),

@@ -89,6 +89,8 @@ pub enum MeanMotion {
     TwoSets,
     /// The epochs of four element sets, which agree.
     FourSets,
+    /// The epochs of two or three of four element sets; the others do not agree.
+    Disagreeing,
     /// The epochs of two element sets, one before and one after the exposures.
     Enclosed,
     /// The shell of the satellite; element sets of other epochs agree with it.
@@ -108,6 +110,12 @@ pub enum MeanMotion {
 }
 
 impl MeanMotion {
+    /// Returns true if the satellite kept its mean motion between the epochs of its element sets on one side of the
+    /// exposures.
+    pub(super) fn is_of_older_sets(self) -> bool {
+        matches!(self, Self::TwoSets | Self::FourSets | Self::Disagreeing)
+    }
+
     /// Returns true if the prediction differs from that of one element set.
     pub fn is_improved(self) -> bool {
         matches!(

@@ -443,6 +443,7 @@ mod tests {
                 MeanMotion::OneSet,
                 MeanMotion::TwoSets,
                 MeanMotion::FourSets,
+                MeanMotion::Disagreeing,
                 MeanMotion::Shell,
                 MeanMotion::Arrived,
                 MeanMotion::OffShell,

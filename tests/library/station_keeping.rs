@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use hifitime::Unit;
+use hifitime::{Epoch, Unit};
 use streakcast::Satellites;
 use streakcast::elements::{ElementSet, NoradId};
 use streakcast::frames::{EopTable, Gcrs, Orientation, Position, seconds_after};
@@ -53,6 +53,19 @@ struct Cell {
     inside: usize,
 }
 
+/// Returns the element sets of a day, and their orbits with those of other days.
+fn orbits(
+    newest: &BTreeMap<NoradId, ElementSet>,
+    others: &[impl std::borrow::Borrow<BTreeMap<NoradId, ElementSet>>],
+    moment: Epoch,
+) -> (Vec<ElementSet>, Vec<OrbitModel>) {
+    let sets: Vec<ElementSet> = newest.values().cloned().collect();
+    let mut others: Vec<ElementSet> = others.iter().flat_map(|day| day.borrow().values().cloned()).collect();
+    others.sort_by_key(|set| set.norad_id);
+    let models = OrbitModel::of_catalogue(&sets, &others, moment, DragModel::StationKeeping);
+    (sets, models)
+}
+
 /// Returns the lateness of Starlinks by class, age and source of the mean motion, with element sets of some days before
 /// `starts` in addition.
 fn cells(starts: &[u32], before: &[u32], ages: &[u32]) -> BTreeMap<(StarlinkClass, MeanMotion, u32), Cell> {
@@ -62,12 +75,12 @@ fn cells(starts: &[u32], before: &[u32], ages: &[u32]) -> BTreeMap<(StarlinkClas
         let older: Vec<_> = before.iter().map(|days| day(start - days).expect("data")).collect();
         for age in ages.iter().filter(|age| *start + **age <= 30) {
             let later = day(start + age).expect("data");
-            for (norad_id, set) in newest.iter().step_by(STRIDE) {
-                let Some(truth) = later.get(norad_id).filter(|truth| truth.epoch - set.epoch > 0.2 * Unit::Day) else {
-                    continue;
-                };
-                let others: Vec<ElementSet> = older.iter().filter_map(|day| day.get(norad_id).cloned()).collect();
-                let model = OrbitModel::from_sets(set, &others, truth.epoch, DragModel::StationKeeping);
+            // After all epochs of the newest sets.
+            let moment = later.values().map(|set| set.epoch).max().expect("element sets");
+            let (sets, models) = orbits(&newest, &older, moment);
+            for (set, model) in sets.iter().zip(&models).step_by(STRIDE) {
+                let truth = later.get(&set.norad_id).filter(|truth| truth.epoch - set.epoch > 0.2 * Unit::Day);
+                let Some(truth) = truth else { continue };
                 let OrbitKind::Starlink(class, motion) = model.class.kind else { continue };
                 let pair = [set, &model.elements].map(|elements| lateness_s(elements, truth));
                 let [Some(published_s), Some(ours_s)] = pair else { continue };
@@ -231,8 +244,8 @@ const FIELD_DEG: f64 = 3.5;
 const EXPOSURE_S: f64 = 30.0;
 const FIELDS_PER_PREDICTION: usize = 6;
 
-/// Element sets of one satellite: one, and others of earlier epochs.
-type Sets = (ElementSet, Vec<ElementSet>);
+/// The element set of a satellite, and its orbit.
+type Predicted = (ElementSet, OrbitModel);
 
 /// Returns the stated probabilities and the truth for crossings of random fields by one satellite, for each of several
 /// predictions. The truth is that of the element set `truth`, at its epoch. `None` if its position is unknown.
@@ -241,7 +254,7 @@ type Sets = (ElementSet, Vec<ElementSet>);
 /// within its delays and half a minute. They must not depend on other predictions, which know more about the truth.
 fn random_fields(
     truth: &ElementSet,
-    predictions: &[Sets],
+    predictions: &[Predicted],
     (eop, models): (&EopTable, &ModelChoice),
     draws: &mut Random,
 ) -> Option<Vec<Vec<(f64, bool)>>> {
@@ -253,16 +266,14 @@ fn random_fields(
     let (latitude_deg, longitude_deg) = (below.latitude_rad().to_degrees(), below.longitude_rad().to_degrees());
     let observer = Observer::new(Site::new_deg("below", latitude_deg, longitude_deg, 0.0).ok()?);
     let site = observer.position(&orientation);
-    let sky_of = |set: &ElementSet, others: &[ElementSet]| {
-        let (sets, others) = (vec![set.clone()], (others.to_vec(), moment));
-        Sky::with_models_and_others(sets, others, DragModel::default(), observer.clone(), eop.clone(), models)
+    let sky_of = |set: &ElementSet, orbit: &OrbitModel| {
+        Sky::with_orbits(vec![set.clone()], vec![orbit.clone()], observer.clone(), eop.clone(), models)
     };
     let field = Field::circle_deg(FIELD_DEG).expect("a field");
     let nominal = PassOptions { include_dark: true, without_light: true, ..PassOptions::default() };
     let possible = PassOptions { min_probability: Some(0.01), ..nominal.clone() };
-    let true_sky = sky_of(truth, &[]);
-    let passes_of = |(set, others): &Sets| {
-        let model = OrbitModel::from_sets(set, others, moment, DragModel::StationKeeping);
+    let true_sky = sky_of(truth, &OrbitModel::from_sets(truth, &[], moment, DragModel::StationKeeping));
+    let passes_of = |(set, model): &Predicted| {
         let predicted = Propagator::new(&model.elements).ok()?;
         let lateness = uncertainty(model.class, (moment - set.epoch).to_unit(Unit::Day)).lateness;
         let half_s = lateness.reach_s() + EXPOSURE_S;
@@ -281,7 +292,7 @@ fn random_fields(
                 })
             })
             .collect();
-        let stated = sky_of(set, others).field_passes(&exposures, &field, &possible).ok()?.by_exposure;
+        let stated = sky_of(set, model).field_passes(&exposures, &field, &possible).ok()?.by_exposure;
         let crossed = true_sky.field_passes(&exposures, &field, &nominal).ok()?.by_exposure;
         let pairs = stated.iter().zip(&crossed);
         Some(pairs.filter_map(|(stated, crossed)| Some((stated.first()?.probability, !crossed.is_empty()))).collect())
@@ -298,20 +309,28 @@ fn reliability<const N: usize>(night: u32, stride: usize, selections: [&[u32]; N
         AGES_DAYS.iter().flat_map(|age| selections.concat().into_iter().chain([0]).map(move |before| age + before));
     let numbers: BTreeSet<u32> = numbers.filter(|days| *days < night).map(|days| night - days).collect();
     let days: BTreeMap<u32, _> = numbers.into_iter().map(|number| (number, day(number).expect("data"))).collect();
+    let truths = day(night).expect("data");
+    let moment = truths.values().map(|set| set.epoch).max().expect("element sets");
+    // Predictions of all satellites that have the sets of a selection, by selection and age.
+    let mut predicted: Vec<(usize, usize, BTreeMap<NoradId, Predicted>)> = Vec::new();
+    for (age_index, newest) in AGES_DAYS.iter().enumerate().filter_map(|(i, age)| Some((i, night.checked_sub(*age)?))) {
+        for (selection, before) in selections.iter().enumerate() {
+            let older: Option<Vec<_>> = before.iter().map(|before| days.get(&newest.checked_sub(*before)?)).collect();
+            let (Some(newest), Some(older)) = (days.get(&newest), older) else { continue };
+            let (sets, models) = orbits(newest, &older, moment);
+            let pairs = sets.into_iter().zip(models);
+            let complete = pairs.filter(|(set, _)| older.iter().all(|day| day.contains_key(&set.norad_id)));
+            predicted.push((selection, age_index, complete.map(|pair| (pair.0.norad_id, pair)).collect()));
+        }
+    }
     let mut all = [Tenths::default(); N];
-    for truth in day(night).expect("data").into_values().step_by(stride) {
-        let of_day = |number: u32| days.get(&number)?.get(&truth.norad_id).cloned();
+    for truth in truths.into_values().step_by(stride) {
         let (mut keys, mut predictions) = (Vec::new(), Vec::new());
-        for (age_index, newest) in
-            AGES_DAYS.iter().enumerate().filter_map(|(i, age)| Some((i, night.checked_sub(*age)?)))
-        {
-            let Some(set) = of_day(newest).filter(|set| truth.epoch - set.epoch > 0.2 * Unit::Day) else { continue };
-            for (selection, before) in selections.iter().enumerate() {
-                let others: Vec<_> = before.iter().filter_map(|days| of_day(newest.checked_sub(*days)?)).collect();
-                if others.len() == before.len() {
-                    keys.push((selection, age_index));
-                    predictions.push((set.clone(), others));
-                }
+        for (selection, age_index, of_day) in &predicted {
+            let found = of_day.get(&truth.norad_id).filter(|(set, _)| truth.epoch - set.epoch > 0.2 * Unit::Day);
+            if let Some(pair) = found {
+                keys.push((*selection, *age_index));
+                predictions.push(pair.clone());
             }
         }
         let found = random_fields(&truth, &predictions, (&eop, &models), &mut draws).unwrap_or_default();
