@@ -130,10 +130,13 @@ impl OrbitModel {
         let Some(shell) = shells.nearest(set.inclination_deg, mean_motion) else { return self };
         let period_s = DAY_S / set.mean_motion_rev_day;
         let is_at_shell = (shell - mean_motion).abs() * period_s <= SHELL_S_DAY;
-        let class_with = |motion: MeanMotion| self.class.with_mean_motion(motion, self.class.baseline_days);
+        let class_alone = self.class;
+        let class_with = |motion: MeanMotion| class_alone.with_mean_motion(motion, class_alone.baseline_days);
         if !is_at_shell {
-            let is_unusual = !matches!(motion, MeanMotion::OneSet | MeanMotion::Coasting);
-            return Self { class: if is_unusual { class_with(MeanMotion::OffShell) } else { self.class }, ..self };
+            return match motion {
+                MeanMotion::OneSet | MeanMotion::Coasting => self,
+                _ => Self { class: class_with(MeanMotion::OffShell), ..self },
+            };
         }
         let phases = links.all.iter().map(|link| link.phase_s(shell, period_s));
         let agreeing: Vec<f64> = phases.filter(|phase_s| phase_s.abs() < LARGEST_PHASE_S).collect();
