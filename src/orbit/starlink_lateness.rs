@@ -10,7 +10,7 @@
 //!
 //! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026. Those of shells, raising
 //! satellites, rates and disagreeing sets were fitted without element sets of 15, 17, ..., 29 June; for odd numbers of these
-//! days, one sigma contains 67 to 75 % (shells, 1 to 7 days), 60 to 74 % (raising), and 63 to 74 % (rates).
+//! days, one sigma contains 68 to 79 % (shells, 1 to 7 days), 60 to 74 % (raising), and 63 to 74 % (rates).
 //! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md). June was quiet.
 //! Widths with one set are therefore up to 3 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most probable
 //! ones. In the histories of 72 satellites until August, one sigma of `Station` contains 61-67 %.
