@@ -10,7 +10,8 @@
 //!
 //! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026. Those of shells, raising
 //! satellites, rates and disagreeing sets were fitted without element sets of 15, 17, ..., 29 June; for odd numbers of these
-//! days, one sigma contains 68 to 79 % (shells, 1 to 7 days), 60 to 74 % (raising), and 63 to 74 % (rates).
+//! days, one sigma contains 68 to 79 % (shells, 1 to 7 days), 57 to 64 % (raising satellites that have sets of 14 days
+//! before, as those of the fit), and 63 to 74 % (rates).
 //! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md). June was quiet.
 //! Widths with one set are therefore up to 3 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most probable
 //! ones. In the histories of 72 satellites until August, one sigma of `Station` contains 61-67 %.
@@ -127,7 +128,7 @@ fn of_one_set(class: StarlinkClass, t: f64, d: f64) -> Shape {
         StarlinkClass::StrongDrag   => Shape::steady(core_s(0.17, 0.22, 2.35),               2.9,  (0.070, 0.0),   t),
         StarlinkClass::Parked       => Shape::changing(norm3(0.07, 0.755 * d * t, FLOOR_S),  1.56, 0.128 + 0.057 * t, 55.0 * t.powi(2)),
         StarlinkClass::Descending   => Shape::steady(0.37_f64.hypot(0.097 * d * t.powf(2.25)), 5.8, (0.0, 0.0),    t),
-        StarlinkClass::Raising      => Shape::changing(FLOOR_S.hypot(7.2 * t.powf(3.04)),     1.0,  0.27, 90.0 * t.powf(1.73)),
+        StarlinkClass::Raising      => Shape::changing(FLOOR_S.hypot(9.7 * t.powf(2.79)),     1.0,  0.30, 88.0 * t.powf(2.06)),
         StarlinkClass::MovingV15    => Shape::changing(0.83_f64.hypot(0.285 * d * t.powi(2)), 1.0, 0.70, 19.2 * t.powf(2.4)),
     }
 }
