@@ -303,7 +303,7 @@ fn verif_mean_motion_of_a_shell() {
             assert_eq!(found.elements, of_one.elements);
         }
         // Half of the shell is too few.
-        let is_even = |set: &&ElementSet| set.norad_id.0 % 2 == 0 || set.norad_id == newest.norad_id;
+        let is_even = |set: &&ElementSet| set.norad_id.0.is_multiple_of(2) || set.norad_id == newest.norad_id;
         let few = in_catalogue(
             &sets.iter().filter(is_even).cloned().collect::<Vec<_>>(),
             &others.iter().filter(is_even).cloned().collect::<Vec<_>>(),
