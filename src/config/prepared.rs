@@ -464,11 +464,13 @@ fn mean_motion_json(sky: &Sky, from_files: usize, at: Epoch) -> serde_json::Valu
     };
     let of = |wanted: &[MeanMotion]| wanted.iter().filter_map(|motion| counts.get(motion)).sum::<usize>();
     json!({
-        "two_or_three_epochs": of(&[MeanMotion::TwoSets, MeanMotion::Enclosed]),
+        "two_or_three_epochs": of(&[MeanMotion::TwoSets, MeanMotion::Disagreeing, MeanMotion::Enclosed]),
         "four_epochs": of(&[MeanMotion::FourSets]),
+        "shell": of(&[MeanMotion::Shell]),
+        "arrived_at_shell": of(&[MeanMotion::Arrived]),
         "published_drag_confirmed": of(&[MeanMotion::Coasting]),
         "rate_of_change": of(&[MeanMotion::Rate]),
-        "changed_between_epochs": of(&[MeanMotion::Changed, MeanMotion::NoRate]),
+        "changed_between_epochs": of(&[MeanMotion::Changed, MeanMotion::OffShell, MeanMotion::NoRate]),
         "one_epoch": of(&[MeanMotion::OneSet]),
         "median_late_s": median_s(&|index, age_days| sky.uncertainty(index, age_days).along_track_s),
         "median_late_with_one_epoch_s": median_s(&|index, age_days| sky.uncertainty_of_one_set(index, age_days).along_track_s),

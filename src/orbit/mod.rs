@@ -23,6 +23,7 @@ mod orbit_model;
 mod propagator;
 mod resonance;
 mod search;
+mod shells;
 mod starlink_lateness;
 mod state;
 mod station_keeping;

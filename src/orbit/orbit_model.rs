@@ -23,16 +23,21 @@
 //! published one. It is propagated with the mean motion n₀ - 0.72 ρ at epoch and with the drag of that rate.
 //!
 //! An element set on the other side of the exposure is preferred, because the error vanishes at both epochs.
+//!
+//! The Starlinks of a shell keep one mean motion ([`Shells`]). A satellite within 10 s/day of it takes it, also if it
+//! changed its orbit between the epochs: it has arrived. The older sets then improve its position at the epoch.
 
 use std::f64::consts::{PI, TAU};
 
 use hifitime::{Epoch, Unit};
+use rayon::prelude::*;
 
 use super::propagator::Propagator;
+use super::shells::Shells;
 use super::station_keeping::{DragModel, MeanMotion, StarlinkClass, height_km, without_drag};
-use super::uncertainty::OrbitClass;
+use super::uncertainty::{OrbitClass, OrbitKind};
 use crate::constants::DAY_S;
-use crate::elements::{ElementSet, semi_major_axis_km};
+use crate::elements::{ElementSet, others_of, semi_major_axis_km};
 
 /// Shortest time between two epochs from which a mean motion is computed, days.
 const SHORTEST_DAYS: f64 = 2.5;
@@ -54,6 +59,10 @@ const GATE_S_DAY: f64 = 4.0;
 /// as a fraction of the latter and in s/day; both are added.
 const COASTING_FRACTION: f64 = 0.3;
 const COASTING_S_DAY: f64 = 1.0;
+/// Largest difference between the mean motion of a satellite and that of its shell, s/day: 0.5 km in height.
+const SHELL_S_DAY: f64 = 10.0;
+/// Weight of the phase of an older set of a satellite in a shell, relative to that of the set in use.
+const PHASE_WEIGHT: f64 = 0.25;
 /// Limits of the rate of a V1.5 that is being lowered, rev/day².
 const RATES_REV_DAY2: [f64; 2] = [1.5e-3, 1.5e-2];
 /// Smallest published ṅ/2, rev/day², and height, km, of a V1.5 that is propagated with a rate.
@@ -82,14 +91,65 @@ impl OrbitModel {
     /// Sets closer than 2.5 days or farther than 16 days, and those of another orbit or with another COSPAR designator, are
     /// not used. Satellites other than Starlinks are propagated with `set` alone.
     pub fn from_sets(set: &ElementSet, others: &[ElementSet], moment: Epoch, drag: DragModel) -> Self {
+        Self::from_links(set, &Links::of_class(set, others, moment, drag), drag)
+    }
+
+    /// Returns the orbit of each satellite of a catalogue, as [`from_sets`](Self::from_sets), with the mean motions of
+    /// the shells that the catalogue contains. `others` must be sorted by catalogue number.
+    pub fn of_catalogue(sets: &[ElementSet], others: &[ElementSet], moment: Epoch, drag: DragModel) -> Vec<Self> {
+        let of_one = |set: &ElementSet| {
+            let links = Links::of_class(set, others_of(others, set.norad_id), moment, drag);
+            (Self::from_links(set, &links, drag), links)
+        };
+        let alone: Vec<(Self, Links)> = sets.par_iter().map(of_one).collect();
+        let keeping = alone.iter().filter(|(model, _)| model.keeps_mean_motion());
+        let mean_motions = keeping
+            .filter_map(|(model, links)| Some((model.elements.inclination_deg, links.best()?.mean_motion_rev_day)));
+        let shells = Shells::new(mean_motions.collect());
+        let pairs = alone.into_par_iter().zip(sets);
+        pairs.map(|((model, links), set)| model.in_shell(set, &links, &shells)).collect()
+    }
+
+    /// Returns true if the satellite kept its mean motion between the epochs of two element sets.
+    fn keeps_mean_motion(&self) -> bool {
+        let OrbitKind::Starlink(class, motion) = self.class.kind else { return false };
+        class.has_shells() && motion.is_of_older_sets()
+    }
+
+    /// Returns the orbit with the mean motion of the shell of the satellite, if it is in one.
+    fn in_shell(self, set: &ElementSet, links: &Links, shells: &Shells) -> Self {
+        let OrbitKind::Starlink(class, motion) = self.class.kind else { return self };
+        let Some(kept) = class.kept_mean_motion(set).filter(|_| class.has_shells()) else { return self };
+        // A change of the orbit was before the epoch, and not after it.
+        let is_before = links.best().is_none_or(|link| link.days < 0.0);
+        let mean_motion = match motion {
+            _ if motion.is_of_older_sets() => self.elements.mean_motion_rev_day,
+            MeanMotion::OneSet | MeanMotion::Changed | MeanMotion::Coasting if is_before => kept,
+            _ => return self,
+        };
+        let Some(shell) = shells.nearest(set.inclination_deg, mean_motion) else { return self };
+        let period_s = DAY_S / set.mean_motion_rev_day;
+        let is_at_shell = (shell - mean_motion).abs() * period_s <= SHELL_S_DAY;
+        let class_alone = self.class;
+        let class_with = |motion: MeanMotion| class_alone.with_mean_motion(motion, class_alone.baseline_days);
+        if !is_at_shell {
+            return match motion {
+                MeanMotion::OneSet | MeanMotion::Coasting => self,
+                _ => Self { class: class_with(MeanMotion::OffShell), ..self },
+            };
+        }
+        let phases = links.all.iter().map(|link| link.phase_s(shell, period_s));
+        let agreeing: Vec<f64> = phases.filter(|phase_s| phase_s.abs() < LARGEST_PHASE_S).collect();
+        let shift_s = PHASE_WEIGHT * agreeing.iter().sum::<f64>() / (1.0 + PHASE_WEIGHT * agreeing.len() as f64);
+        let motion = if agreeing.is_empty() { MeanMotion::Arrived } else { MeanMotion::Shell };
+        Self { elements: ahead(without_drag(set, shell), shift_s), class: class_with(motion) }
+    }
+
+    fn from_links(set: &ElementSet, links: &Links, drag: DragModel) -> Self {
         let alone = |elements: ElementSet| Self { elements, class: OrbitClass::from_elements(set, drag) };
         let Some(class) = drag.class_of(set) else { return alone(set.clone()) };
         let kept = class.kept_mean_motion(set);
         let of_one = || drag.propagated(set);
-        if others.is_empty() || matches!(class, StarlinkClass::Raising | StarlinkClass::Descending) {
-            return alone(of_one());
-        }
-        let links = Links::new(set, others, moment);
         let Some(nearest) = links.best() else { return alone(of_one()) };
         let with = |elements: ElementSet, motion: MeanMotion, days: f64| Self {
             elements,
@@ -106,8 +166,13 @@ impl OrbitModel {
                     return with(plain, MeanMotion::Enclosed, link.days);
                 }
                 let (elements, phases) = links.with_line(plain, link, period_s);
-                let four = phases == LINE_DAYS.len() && class != StarlinkClass::Parked;
-                return with(elements, if four { MeanMotion::FourSets } else { MeanMotion::TwoSets }, link.days);
+                let has_four = links.all.len() > LINE_DAYS.len() && class != StarlinkClass::Parked;
+                let motion = match phases == LINE_DAYS.len() {
+                    _ if !has_four => MeanMotion::TwoSets,
+                    true => MeanMotion::FourSets,
+                    false => MeanMotion::Disagreeing,
+                };
+                return with(elements, motion, link.days);
             }
         }
         if kept.is_some() && class != StarlinkClass::DirectToCell && is_coasting(set, nearest) {
@@ -128,6 +193,12 @@ impl OrbitModel {
     }
 }
 
+/// Returns the same elements with the satellite ahead by a time in seconds.
+fn ahead(elements: ElementSet, shift_s: f64) -> ElementSet {
+    let mean_anomaly_deg = elements.mean_anomaly_deg + 360.0 * shift_s * elements.mean_motion_rev_day / DAY_S;
+    ElementSet { mean_anomaly_deg: mean_anomaly_deg.rem_euclid(360.0), ..elements }
+}
+
 /// Mean motion between the epoch of an element set and that of another one.
 #[derive(Copy, Clone, Debug)]
 struct Link {
@@ -137,7 +208,16 @@ struct Link {
     mean_motion_rev_day: f64,
 }
 
+impl Link {
+    /// Returns the phase of the satellite at the other epoch relative to a prediction with the mean motion n, seconds:
+    /// p = (n_obs - n) P d at d days from the epoch, positive where the satellite is ahead of the prediction.
+    fn phase_s(&self, mean_motion_rev_day: f64, period_s: f64) -> f64 {
+        (self.mean_motion_rev_day - mean_motion_rev_day) * period_s * self.days
+    }
+}
+
 /// Mean motions between the epoch of an element set and those of others.
+#[derive(Default)]
 struct Links {
     all: Vec<Link>,
     /// True if the links are to sets on the other side of the exposures.
@@ -145,6 +225,16 @@ struct Links {
 }
 
 impl Links {
+    /// Returns the links that the class of a satellite uses: none for satellites that are being raised or descend, and
+    /// for those that are no Starlinks.
+    fn of_class(set: &ElementSet, others: &[ElementSet], moment: Epoch, drag: DragModel) -> Self {
+        match drag.class_of(set) {
+            None | Some(StarlinkClass::Raising | StarlinkClass::Descending) => Self::default(),
+            Some(_) if others.is_empty() => Self::default(),
+            Some(_) => Self::new(set, others, moment),
+        }
+    }
+
     fn new(set: &ElementSet, others: &[ElementSet], moment: Epoch) -> Self {
         let days_to = |epoch: Epoch| (epoch.to_utc_duration() - set.epoch.to_utc_duration()).to_unit(Unit::Day);
         let at_days = days_to(moment);
@@ -196,12 +286,10 @@ impl Links {
     /// Adds the straight line through the phases of all sets to elements without drag. Returns the number of further
     /// sets whose phases agree.
     fn with_line(&self, plain: ElementSet, best: Link, period_s: f64) -> (ElementSet, usize) {
-        // p = (n - n_obs) P d at d days from the epoch, s: positive where the satellite is ahead of the prediction.
-        let phase_s =
-            |link: &Link| (link.days, (link.mean_motion_rev_day - best.mean_motion_rev_day) * period_s * link.days);
+        let phase = |link: &Link| (link.days, link.phase_s(best.mean_motion_rev_day, period_s));
         let further = self.all.iter().filter(|link| link.days != best.days);
         let phases: Vec<(f64, f64)> =
-            further.map(phase_s).filter(|(_, phase_s)| phase_s.abs() < LARGEST_PHASE_S).collect();
+            further.map(phase).filter(|(_, phase_s)| phase_s.abs() < LARGEST_PHASE_S).collect();
         if phases.is_empty() {
             return (plain, 0);
         }
@@ -214,12 +302,8 @@ impl Links {
         let (w, d, p) = (sum(|_, _| 1.0), sum(|d, _| d), sum(|_, p| p));
         let b = (w * sum(|d, p| d * p) - d * p) / (w * sum(|d, _| d * d) - d * d);
         let a = (p - b * d) / w;
-        let elements = ElementSet {
-            mean_anomaly_deg: (plain.mean_anomaly_deg + 360.0 * a / period_s).rem_euclid(360.0),
-            mean_motion_rev_day: plain.mean_motion_rev_day + b / period_s,
-            ..plain
-        };
-        (elements, phases.len())
+        let mean_motion_rev_day = plain.mean_motion_rev_day + b / period_s;
+        (ElementSet { mean_motion_rev_day, ..ahead(plain, a) }, phases.len())
     }
 }
 

@@ -8,7 +8,10 @@
 //! satellites that manoeuvred since the epoch (w = 90 t, with the age t in days) or, in classes whose satellites change
 //! their orbits, an ordinary part of the distribution. It is searched for in the latter case only.
 //!
-//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026.
+//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026. Those of shells, raising
+//! satellites, rates and disagreeing sets were fitted without element sets of 15, 17, ..., 29 June; for odd numbers of these
+//! days, one sigma contains 68 to 79 % (shells, 1 to 7 days), 57 to 64 % (raising satellites that have sets of 14 days
+//! before, as those of the fit), and 63 to 74 % (rates).
 //! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md). June was quiet.
 //! Widths with one set are therefore up to 3 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most probable
 //! ones. In the histories of 72 satellites until August, one sigma of `Station` contains 61-67 %.
@@ -24,6 +27,8 @@ const FLOOR_S: f64 = 0.13;
 const LEAST_DRAG_S_DAY2: f64 = 0.01;
 /// Width of the lateness of satellites that manoeuvred, s per day of age.
 const MANOEUVRE_S_DAY: f64 = 90.0;
+/// Factor of the core of two sets if there are four that do not all agree.
+const DISAGREEING: f64 = 1.7;
 /// Largest share of satellites that manoeuvred; the ages in the calibration end at 21 days.
 const LARGEST_MANOEUVRING: f64 = 0.5;
 /// Largest share of the wide Gaussian of classes whose satellites change their orbits.
@@ -90,10 +95,17 @@ pub(super) fn lateness(
         MeanMotion::OneSet => of_one_set(class, age, drag_s_day2),
         MeanMotion::TwoSets => of_two_sets(class, 1.0, age, age / baseline_days.abs()),
         MeanMotion::FourSets => of_four_sets(class, age),
+        MeanMotion::Disagreeing => {
+            let two = of_two_sets(class, 1.0, age, age / baseline_days.abs());
+            Shape { core_s: DISAGREEING * two.core_s, ..two }
+        }
         MeanMotion::Enclosed => of_enclosing_sets(class, age_days, baseline_days),
+        MeanMotion::Shell => of_shell(class, age),
+        MeanMotion::Arrived => of_arrived(class, age),
+        MeanMotion::OffShell => off_shells(class, age, drag_s_day2),
         MeanMotion::Changed => of_changed_orbit(class, age, drag_s_day2),
         MeanMotion::Coasting => of_coasting(class, age, drag_s_day2),
-        MeanMotion::Rate => Shape::changing(0.29_f64.hypot(0.94 * age.powi(2)), 4.4, 0.90, 6.5 * age.powf(2.28)),
+        MeanMotion::Rate => Shape::changing(0.67_f64.hypot(3.8 * age.powf(2.45)), 1.0, 0.24, 66.0 * age.powf(1.17)),
         MeanMotion::NoRate => Shape::changing(FLOOR_S.hypot(age.powi(2)), 6.0, 0.42, 33.0 * age.powf(1.94)),
     };
     shape.lateness(cap_s)
@@ -116,7 +128,7 @@ fn of_one_set(class: StarlinkClass, t: f64, d: f64) -> Shape {
         StarlinkClass::StrongDrag   => Shape::steady(core_s(0.17, 0.22, 2.35),               2.9,  (0.070, 0.0),   t),
         StarlinkClass::Parked       => Shape::changing(norm3(0.07, 0.755 * d * t, FLOOR_S),  1.56, 0.128 + 0.057 * t, 55.0 * t.powi(2)),
         StarlinkClass::Descending   => Shape::steady(0.37_f64.hypot(0.097 * d * t.powf(2.25)), 5.8, (0.0, 0.0),    t),
-        StarlinkClass::Raising      => Shape::changing(1_f64.hypot(t.powi(2)),               5.3,  0.9,  17.2 * t.powf(2.66)),
+        StarlinkClass::Raising      => Shape::changing(FLOOR_S.hypot(9.7 * t.powf(2.79)),     1.0,  0.30, 88.0 * t.powf(2.06)),
         StarlinkClass::MovingV15    => Shape::changing(0.83_f64.hypot(0.285 * d * t.powi(2)), 1.0, 0.70, 19.2 * t.powf(2.4)),
     }
 }
@@ -148,6 +160,37 @@ fn of_four_sets(class: StarlinkClass, t: f64) -> Shape {
         StarlinkClass::StrongDrag   => Shape::steady(core_s(0.418, 0.307, 0.025), 2.35, (0.0,   0.0),   t),
         StarlinkClass::DirectToCell => Shape::steady(core_s(0.42,  0.20,  0.015), 2.45, (0.0,   0.0),   t),
         _                           => Shape::steady(core_s(0.363, 0.222, 0.050), 2.9,  (0.0,   0.0),   t),
+    }
+}
+
+#[rustfmt::skip]
+fn of_shell(class: StarlinkClass, t: f64) -> Shape {
+    // s = √(s₀² + b² t + (k t)²)
+    let core_s = |s0: f64, b: f64, k: f64| norm3(s0, b * t.sqrt(), k * t);
+    match class {
+        StarlinkClass::V15          => Shape::steady(core_s(0.217, 0.173, 0.034), 3.2,  (0.005, 0.0096), t),
+        StarlinkClass::StrongDrag   => Shape::steady(core_s(0.58,  0.165, 0.0),   2.05, (0.009, 0.001),  t),
+        StarlinkClass::DirectToCell => Shape::steady(core_s(0.465, 0.0,   0.05),  2.2,  (0.003, 0.0),    t),
+        _                           => Shape::steady(core_s(0.377, 0.144, 0.0),   2.9,  (0.010, 0.0004), t),
+    }
+}
+
+/// Satellites that arrived at their shell a short time ago.
+fn of_arrived(class: StarlinkClass, t: f64) -> Shape {
+    match class {
+        StarlinkClass::V15 | StarlinkClass::DirectToCell => {
+            Shape::steady(FLOOR_S.hypot(0.49 * t.sqrt()), 10.0, (0.14, 0.0), t)
+        }
+        _ => Shape::steady(0.51_f64.hypot(0.206 * t.sqrt()), 4.9, (0.038, 0.0), t),
+    }
+}
+
+/// Satellites on their way to a shell, or away from one.
+fn off_shells(class: StarlinkClass, t: f64, d: f64) -> Shape {
+    match class {
+        StarlinkClass::DirectToCell => of_one_set(StarlinkClass::Raising, t, d),
+        StarlinkClass::StrongDrag => Shape::changing(FLOOR_S.hypot(1.6 * t.powf(2.53)), 3.5, 0.28, 83.0 * t.powf(1.17)),
+        _ => Shape::changing(FLOOR_S.hypot(0.24 * t.powf(0.82)), 4.7, 0.48, 8.4 * t.powf(1.91)),
     }
 }
 

@@ -89,8 +89,16 @@ pub enum MeanMotion {
     TwoSets,
     /// The epochs of four element sets, which agree.
     FourSets,
+    /// The epochs of two or three of four element sets; the others do not agree.
+    Disagreeing,
     /// The epochs of two element sets, one before and one after the exposures.
     Enclosed,
+    /// The shell of the satellite; element sets of other epochs agree with it.
+    Shell,
+    /// The shell of the satellite, at which it arrived after the epochs of the other element sets.
+    Arrived,
+    /// That of two element sets, or one, of a satellite that is not near any shell of its inclination.
+    OffShell,
     /// One element set: according to another one, the satellite changed its orbit between the epochs.
     Changed,
     /// One element set with its published drag: according to another one, the satellite does not cancel its drag.
@@ -102,9 +110,18 @@ pub enum MeanMotion {
 }
 
 impl MeanMotion {
+    /// Returns true if the satellite kept its mean motion between the epochs of its element sets on one side of the
+    /// exposures.
+    pub(super) fn is_of_older_sets(self) -> bool {
+        matches!(self, Self::TwoSets | Self::FourSets | Self::Disagreeing)
+    }
+
     /// Returns true if the prediction differs from that of one element set.
     pub fn is_improved(self) -> bool {
-        matches!(self, Self::TwoSets | Self::FourSets | Self::Enclosed | Self::Coasting | Self::Rate)
+        matches!(
+            self,
+            Self::TwoSets | Self::FourSets | Self::Enclosed | Self::Shell | Self::Arrived | Self::Coasting | Self::Rate
+        )
     }
 }
 
@@ -180,6 +197,11 @@ impl StarlinkClass {
             _ => return None,
         };
         Some(class)
+    }
+
+    /// Returns true if the satellites of this class share the mean motions of shells.
+    pub(super) const fn has_shells(self) -> bool {
+        matches!(self, Self::V15 | Self::Station | Self::StrongDrag | Self::DirectToCell)
     }
 
     /// Returns 2 τ, days, of the classes that cancel their drag; `None` where the published drag is applied.

@@ -15,7 +15,7 @@ use super::probability::REACH_SIGMAS;
 use super::scene::{Almanac, Scene, WindowCache};
 use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
-use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
+use crate::elements::{ElementSet, Ephemeris, Satellites};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel, SunTable};
@@ -71,6 +71,10 @@ impl OtherEpochs {
         sets.sort_by_key(|set| set.norad_id);
         Self { sets, moment }
     }
+
+    fn orbits_of(&self, elements: &[ElementSet], drag: DragModel) -> Vec<OrbitModel> {
+        OrbitModel::of_catalogue(elements, &self.sets, self.moment, drag)
+    }
 }
 
 impl Sky {
@@ -111,6 +115,20 @@ impl Sky {
         Self::from_parts(elements, OtherEpochs::new(others, moment), drag, viewpoint.into(), eop, choice)
     }
 
+    /// As [`Sky::with_models`], with given orbits, one for each element set. They are those of a larger catalogue, from
+    /// which this sky has a part.
+    #[doc(hidden)]
+    pub fn with_orbits(
+        elements: Vec<ElementSet>,
+        orbits: Vec<OrbitModel>,
+        viewpoint: impl Into<Viewpoint>,
+        eop: EopTable,
+        choice: &ModelChoice,
+    ) -> Self {
+        let others = OtherEpochs::new(Vec::new(), Epoch::default());
+        Self::from_orbits(elements, (others, orbits), DragModel::default(), viewpoint.into(), eop, choice)
+    }
+
     fn from_parts(
         elements: Vec<ElementSet>,
         others: OtherEpochs,
@@ -119,8 +137,20 @@ impl Sky {
         eop: EopTable,
         choice: &ModelChoice,
     ) -> Self {
+        let orbits = others.orbits_of(&elements, drag);
+        Self::from_orbits(elements, (others, orbits), drag, viewpoint, eop, choice)
+    }
+
+    fn from_orbits(
+        elements: Vec<ElementSet>,
+        (others, orbits): (OtherEpochs, Vec<OrbitModel>),
+        drag: DragModel,
+        viewpoint: Viewpoint,
+        eop: EopTable,
+        choice: &ModelChoice,
+    ) -> Self {
         let factors = elements.iter().map(|set| choice.lateness_factor(set)).collect::<Vec<_>>();
-        let (index, classes) = orbits(&elements, &others, drag, |index| factors[index]);
+        let (index, classes) = indexed(&elements, orbits, drag, |index| factors[index]);
         let models: Vec<_> = elements.iter().map(|elements| choice.model_of(elements)).collect();
         Self {
             elements: Arc::new(elements),
@@ -182,7 +212,8 @@ impl Sky {
 
     fn with_new_orbits(self) -> Self {
         let factor = |index: usize| self.classes[index].lateness_factor;
-        let (index, classes) = orbits(&self.elements, &self.others, self.drag, factor);
+        let orbits = self.others.orbits_of(&self.elements, self.drag);
+        let (index, classes) = indexed(&self.elements, orbits, self.drag, factor);
         Self {
             index: Arc::new(index.with_ephemerides(&self.elements, &self.ephemerides, &self.eop)),
             classes: Arc::new(classes),
@@ -426,15 +457,14 @@ impl Sky {
 }
 
 /// Returns the propagators and classes of satellites; `factor` gives the factor of the lateness of each.
-fn orbits(
+fn indexed(
     elements: &[ElementSet],
-    others: &OtherEpochs,
+    orbits: Vec<OrbitModel>,
     drag: DragModel,
     factor: impl Fn(usize) -> f64,
 ) -> (SatelliteIndex, Vec<OrbitClass>) {
-    let of = |set: &ElementSet| OrbitModel::from_sets(set, others_of(&others.sets, set.norad_id), others.moment, drag);
     let (made, classes): (Vec<_>, Vec<OrbitClass>) =
-        elements.par_iter().map(of).map(|model| (Propagator::new(&model.elements), model.class)).unzip();
+        orbits.into_par_iter().map(|orbit| (Propagator::new(&orbit.elements), orbit.class)).unzip();
     let classes = classes.into_iter().enumerate().map(|(index, class)| class.with_lateness_factor(factor(index)));
     (SatelliteIndex::of_propagators(elements, made, drag), classes.collect())
 }

@@ -258,6 +258,60 @@ fn text(sets: &[ElementSet]) -> String {
     lines.collect()
 }
 
+/// Returns a catalogue of 60 satellites of a shell, with sets of a week before, and one more satellite: its set in use
+/// and its older one.
+fn shell_and(satellite: &ElementSet, older: &ElementSet) -> (Vec<ElementSet>, Vec<ElementSet>) {
+    let member = |k: u32, days: f64| {
+        let noise = 2e-4 * (f64::from(k * 37 % 60) / 30.0 - 1.0);
+        ElementSet { norad_id: NoradId(50_000 + k), ..set(V2_MINI, days, noise) }
+    };
+    let of_day = |days: f64, last: &ElementSet| (0..60).map(|k| member(k, days)).chain([last.clone()]).collect();
+    (of_day(0.0, satellite), of_day(-7.0, older))
+}
+
+/// A satellite that changed its orbit takes the mean motion of the shell at which it has arrived, and not that of a
+/// shell 1 km away. In a catalogue without shells the prediction is that of one set.
+#[test]
+fn verif_mean_motion_of_a_shell() {
+    let at = epoch() + 7.0 * Unit::Day;
+    let in_catalogue = |sets: &[ElementSet], others: &[ElementSet]| {
+        OrbitModel::of_catalogue(sets, others, at, DragModel::StationKeeping).pop().unwrap()
+    };
+    let period_s = 86_400.0 / TRUE_REV_DAY;
+    for (noise_s_day, moved_deg, inclination_deg, expected) in [
+        // In the shell: the error of its own sets is not in the prediction.
+        (1.5, 0.0, 53.16, MeanMotion::Shell),
+        // It was at another place a week before.
+        (8.0, 20.0, 53.16, MeanMotion::Arrived),
+        (-8.0, 20.0, 53.16, MeanMotion::Arrived),
+        (17.0, 20.0, 53.16, MeanMotion::OffShell),
+        // No shell has its inclination.
+        (8.0, 20.0, 53.5, MeanMotion::Changed),
+    ] {
+        let inclined = |set: ElementSet| ElementSet { inclination_deg, ..set };
+        let newest = inclined(set(V2_MINI, 0.0, noise_s_day / period_s));
+        let mut older = inclined(set(V2_MINI, -7.0, 0.0));
+        older.mean_anomaly_deg += moved_deg;
+        let (sets, others) = shell_and(&newest, &older);
+        let found = in_catalogue(&sets, &others);
+        assert_eq!(motion(&found), expected, "{noise_s_day}");
+        let of_one = OrbitModel::from_sets(&newest, &[], at, DragModel::StationKeeping);
+        let error_s_day = (found.elements.mean_motion_rev_day - TRUE_REV_DAY) * period_s;
+        let is_at_shell = matches!(expected, MeanMotion::Shell | MeanMotion::Arrived);
+        assert_eq!(error_s_day.abs() < 0.05, is_at_shell, "{noise_s_day}: {error_s_day}");
+        if !is_at_shell {
+            assert_eq!(found.elements, of_one.elements);
+        }
+        // Half of the shell is too few.
+        let is_even = |set: &&ElementSet| set.norad_id.0.is_multiple_of(2) || set.norad_id == newest.norad_id;
+        let few = in_catalogue(
+            &sets.iter().filter(is_even).cloned().collect::<Vec<_>>(),
+            &others.iter().filter(is_even).cloned().collect::<Vec<_>>(),
+        );
+        assert_eq!(few, OrbitModel::from_sets(&newest, &[older], at, DragModel::StationKeeping));
+    }
+}
+
 /// Files of two days, a folder of them, and one file with both, give the same sky.
 #[test]
 fn verif_files_and_folders() {

@@ -9,10 +9,10 @@ use super::super::prepared::without_elements;
 use super::super::warnings::of_ephemerides_without_elements;
 use super::finding::{Finding, MomentSource, Severity};
 use crate::constants::DAY_S;
-use crate::elements::{ElementSet, Ephemeris, Generation, GenerationTable, STARLINK_TABLE_DATE, Satellites, others_of};
+use crate::elements::{ElementSet, Ephemeris, Generation, GenerationTable, STARLINK_TABLE_DATE, Satellites};
 use crate::frames::seconds_between;
 use crate::math::quantile::median;
-use crate::orbit::{DragModel, OrbitClass, OrbitModel, uncertainty};
+use crate::orbit::{DragModel, OrbitModel, uncertainty};
 use crate::output::{counted, format_utc};
 use crate::passes::ModelChoice;
 
@@ -150,17 +150,15 @@ impl ElementState {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
         let ages: Vec<f64> = sets.iter().map(age_days).collect();
-        let of_one_set = |set: &ElementSet| OrbitClass::from_elements(set, drag);
         let others = &catalogue.other_epochs;
-        let of_all = |set: &ElementSet| OrbitModel::from_sets(set, others_of(others, set.norad_id), now, drag).class;
         // Errors along the track of the satellites whose position is known.
-        let sigmas = |class: &dyn Fn(&ElementSet) -> OrbitClass| -> Vec<f64> {
-            let classes = sets.iter().zip(&ages).map(|(set, age)| (class(set), *age));
-            let known = classes.filter(|(class, age)| class.is_known(*age));
-            known.map(|(class, age)| uncertainty(class, age).along_track_s).collect()
+        let sigmas = |others: &[ElementSet]| -> Vec<f64> {
+            let models = OrbitModel::of_catalogue(sets, others, now, drag);
+            let known = models.iter().zip(&ages).filter(|(model, age)| model.class.is_known(**age));
+            known.map(|(model, age)| uncertainty(model.class, *age).along_track_s).collect()
         };
-        let median_of_one_set_s = (!others.is_empty()).then(|| median_or_0(sigmas(&of_one_set)));
-        let sigmas = if others.is_empty() { sigmas(&of_one_set) } else { sigmas(&of_all) };
+        let median_of_one_set_s = (!others.is_empty()).then(|| median_or_0(sigmas(&[])));
+        let sigmas = sigmas(others);
         let table = GenerationTable::embedded();
         let mut kinds = BTreeMap::new();
         let mut unmatched: BTreeMap<String, usize> = BTreeMap::new();
