@@ -72,8 +72,15 @@ impl OtherEpochs {
         Self { sets, moment }
     }
 
-    fn orbits_of(&self, elements: &[ElementSet], drag: DragModel) -> Vec<OrbitModel> {
-        OrbitModel::of_catalogue(elements, &self.sets, self.moment, drag)
+    /// Returns the propagators and classes of a catalogue.
+    fn orbits_of(&self, elements: &[ElementSet], drag: DragModel) -> Orbits {
+        if self.sets.is_empty() {
+            // One by one, because planned constellations have millions of satellites.
+            let of = |set| initialised(OrbitModel::from_sets(set, &[], self.moment, drag));
+            return elements.par_iter().map(of).unzip();
+        }
+        let models = OrbitModel::of_catalogue(elements, &self.sets, self.moment, drag);
+        models.into_par_iter().map(initialised).unzip()
     }
 }
 
@@ -126,6 +133,7 @@ impl Sky {
         choice: &ModelChoice,
     ) -> Self {
         let others = OtherEpochs::new(Vec::new(), Epoch::default());
+        let orbits = orbits.into_par_iter().map(initialised).unzip();
         Self::from_orbits(elements, (others, orbits), DragModel::default(), viewpoint.into(), eop, choice)
     }
 
@@ -143,7 +151,7 @@ impl Sky {
 
     fn from_orbits(
         elements: Vec<ElementSet>,
-        (others, orbits): (OtherEpochs, Vec<OrbitModel>),
+        (others, orbits): (OtherEpochs, Orbits),
         drag: DragModel,
         viewpoint: Viewpoint,
         eop: EopTable,
@@ -456,15 +464,20 @@ impl Sky {
     }
 }
 
+/// Propagators of the satellites of a catalogue, or the reasons why they have none, and classes.
+type Orbits = (Vec<Result<Propagator, Error>>, Vec<OrbitClass>);
+
+fn initialised(model: OrbitModel) -> (Result<Propagator, Error>, OrbitClass) {
+    (Propagator::new(&model.elements), model.class)
+}
+
 /// Returns the propagators and classes of satellites; `factor` gives the factor of the lateness of each.
 fn indexed(
     elements: &[ElementSet],
-    orbits: Vec<OrbitModel>,
+    (made, classes): Orbits,
     drag: DragModel,
     factor: impl Fn(usize) -> f64,
 ) -> (SatelliteIndex, Vec<OrbitClass>) {
-    let (made, classes): (Vec<_>, Vec<OrbitClass>) =
-        orbits.into_par_iter().map(|orbit| (Propagator::new(&orbit.elements), orbit.class)).unzip();
     let classes = classes.into_iter().enumerate().map(|(index, class)| class.with_lateness_factor(factor(index)));
     (SatelliteIndex::of_propagators(elements, made, drag), classes.collect())
 }
