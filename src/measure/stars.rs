@@ -1,9 +1,9 @@
 //! Mask of stars and defects in the band around a streak.
 
-use super::background::SIGMA_OF_MAD;
 use super::band::Band;
 use super::fit::{Blocks, fit_blocks};
 use crate::math::quantile::median;
+use crate::math::scatter::{SIGMA_OF_MAD, scatter};
 
 /// Threshold in sigmas of the light averaged over 3 by 3 pixels.
 const THRESHOLD_SIGMAS: f64 = 4.0;
@@ -56,7 +56,7 @@ impl StarMask {
 ///
 /// 1. The background of a block is the median of its pixels outside the streak.
 /// 2. The light of the streak is fitted in each column; its running median is not affected by stars, which are shorter
-///    than the median's length.
+///    than the median's length. Of single photons it is the running mean.
 /// 3. The median of the residuals at each distance across the streak is subtracted, because the profile of the streak
 ///    may differ from the model.
 /// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked. On the streak the threshold is
@@ -86,7 +86,9 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
         let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
         background[columns].fill(level);
     }
-    let light = column_light(band, template, &peaks, &background, fwhm_pix);
+    let known = band.values.iter().filter(|value| value.is_finite());
+    let photon = scatter(&mut known.step_by(7).copied().collect::<Vec<f32>>()).map_or(0.0, |found| found.step);
+    let light = column_light(band, template, &peaks, &background, fwhm_pix, photon > 0.0);
 
     // Residuals; 0 where the frame has no pixel.
     let mut residual = vec![0.0f32; band.values.len()];
@@ -100,9 +102,18 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
     subtract_profile(band, &mut residual, &peaks);
     let smooth = averaged(band, &residual);
     let sampled = smooth.iter().zip(&band.values).step_by(7).filter(|(_, value)| value.is_finite());
-    let sigma = SIGMA_OF_MAD * median(sampled.map(|(value, _)| f64::from(value.abs())).collect());
+    let mut sampled: Vec<f32> = sampled.map(|(value, _)| value.abs()).collect();
+    let usual = SIGMA_OF_MAD * median(sampled.iter().copied().map(f64::from).collect());
+    // Single photons have more noise than their median, and a distribution with a longer tail: four sigmas of the square
+    // root of their number are four sigmas and four photons. The photons of the streak have noise, too.
+    let photon = photon / 9.0;
+    let of_photons = scatter(&mut sampled).filter(|_| photon > 0.0).map_or(0.0, |found| f64::from(found.sigma));
+    let sigma = usual.max(of_photons);
+    let by_photons = if sigma > 0.0 { 0.5 * f64::from(photon) / sigma } else { 0.0 };
     let threshold = |(light, peak): (&f32, &f32)| {
-        [(THRESHOLD_SIGMAS * sigma) as f32 + MODEL_ERROR_OF_PEAK as f32 * light * peak, MODEL_ERROR as f32 * light]
+        let constant = (THRESHOLD_SIGMAS * sigma) as f32 + MODEL_ERROR_OF_PEAK as f32 * light * peak;
+        let by_light = MODEL_ERROR + THRESHOLD_SIGMAS * by_photons;
+        [constant + THRESHOLD_SIGMAS as f32 * photon, by_light as f32 * light]
     };
     let reach = fwhm_pix.round().max(1.0) as isize;
     let thresholds = light.iter().zip(&peaks).map(threshold).collect();
@@ -174,8 +185,16 @@ fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
     }
 }
 
-/// Returns the light of the streak in each column: a running median of the amplitudes of single columns.
-fn column_light(band: &Band, template: &[f32], peaks: &[f32], background: &[f32], fwhm_pix: f64) -> Vec<f32> {
+/// Returns the light of the streak in each column: a running median of the amplitudes of single columns, or a running mean
+/// if most columns have no photon.
+fn column_light(
+    band: &Band,
+    template: &[f32],
+    peaks: &[f32],
+    background: &[f32],
+    fwhm_pix: f64,
+    has_single_photons: bool,
+) -> Vec<f32> {
     let height = band.height;
     let amplitude = |column: usize| -> Option<f64> {
         let (mut signal, mut weight) = (0.0, 0.0);
@@ -195,7 +214,9 @@ fn column_light(band: &Band, template: &[f32], peaks: &[f32], background: &[f32]
         .map(|column| {
             let near = column.saturating_sub(reach)..(column + reach + 1).min(band.len());
             let near: Vec<f64> = amplitudes[near].iter().flatten().copied().collect();
-            if near.is_empty() { 0.0 } else { median(near).max(0.0) as f32 }
+            let count = near.len() as f64;
+            let usual = if has_single_photons { near.iter().sum::<f64>() / count } else { median(near) };
+            if count > 0.0 { usual.max(0.0) as f32 } else { 0.0 }
         })
         .collect()
 }

@@ -2,7 +2,7 @@
 
 use hifitime::{Epoch, TimeScale, TimeUnits};
 
-use crate::constants::{DAY_S, LONGEST_EXPOSURE_S};
+use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 
