@@ -97,10 +97,11 @@ mod tests {
         }
         // A sky at 0 and below, without negative values.
         for whole in [true, false] {
-            let found = of(&|noise, _| if whole { (9.0 * noise - 1.0).max(0.0).round() } else { (9.0 * noise).max(0.0) });
+            let found =
+                of(&|noise, _| if whole { (9.0 * noise - 1.0).max(0.0).round() } else { (9.0 * noise).max(0.0) });
             assert!((found.sigma - 9.0).abs() < 1.5 && found.step == 0.0, "{found:?}");
         }
-        for mean in [0.005, 0.05, 0.4] {
+        for mean in [0.005_f64, 0.05, 0.4] {
             let photons = Poisson::new(mean).unwrap();
             let mut values: Vec<f32> = (0..20_000).map(|_| photons.sample(&mut random) as f32).collect();
             let found = scatter(&mut values).unwrap();

@@ -29,7 +29,7 @@ const ERROR_SIGMAS: f32 = 1.5;
 pub struct StarMask {
     /// True for pixels with the light of stars or defects.
     pub mask: Vec<bool>,
-    /// Residuals averaged over 3 by 3 pixels.
+    /// Absolute values of the residuals averaged over 3 by 3 pixels.
     smooth: Vec<f32>,
     /// Threshold of each column, and its increase per unit of the template.
     thresholds: Vec<[f32; 2]>,
@@ -54,12 +54,13 @@ impl StarMask {
 
 /// Marks pixels that are brighter than streak and background, with their surroundings.
 ///
-/// 1. The background of a block is the median of its pixels outside the streak.
+/// 1. The background of a block is the median of its pixels outside the streak. Of single photons, here and below, it is
+///    the mean.
 /// 2. The light of the streak is fitted in each column; its running median is not affected by stars, which are shorter
-///    than the median's length. Of single photons it is the running mean.
+///    than the median's length.
 /// 3. The median of the residuals at each distance across the streak is subtracted, because the profile of the streak
 ///    may differ from the model.
-/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked. On the streak the threshold is
+/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold, or as far below 0, are marked. On the streak the threshold is
 ///    not below the usual residuals at the same distance from its middle, which are the errors of the model of a bright
 ///    streak; stars are shorter than the part of the streak in which these are measured.
 /// 5. All pixels within one FWHM of a marked pixel are marked.
@@ -71,6 +72,8 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
     let peak_of = |column: usize| template[column * height..][..height].iter().copied().fold(0.0, f32::max);
     let peaks: Vec<f32> = (0..band.len()).map(peak_of).collect();
 
+    let known = band.values.iter().filter(|value| value.is_finite());
+    let photon = scatter(&mut known.step_by(7).copied().collect::<Vec<f32>>()).map_or(0.0, |found| found.step);
     let mut background = vec![0.0f32; band.len()];
     for columns in blocks.ranges() {
         let pixels =
@@ -82,12 +85,8 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
         if values.is_empty() {
             continue;
         }
-        let middle = values.len() / 2;
-        let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
-        background[columns].fill(level);
+        background[columns].fill(usual(&mut values, photon > 0.0));
     }
-    let known = band.values.iter().filter(|value| value.is_finite());
-    let photon = scatter(&mut known.step_by(7).copied().collect::<Vec<f32>>()).map_or(0.0, |found| found.step);
     let light = column_light(band, template, &peaks, &background, fwhm_pix, photon > 0.0);
 
     // Residuals; 0 where the frame has no pixel.
@@ -99,10 +98,11 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
             residual[at] = if value.is_finite() { value } else { 0.0 };
         }
     }
-    subtract_profile(band, &mut residual, &peaks);
-    let smooth = averaged(band, &residual);
+    subtract_profile(band, &mut residual, &peaks, photon > 0.0);
+    // Pixels that are too faint, such as those with little response, are marked like stars.
+    let smooth: Vec<f32> = averaged(band, &residual).into_iter().map(f32::abs).collect();
     let sampled = smooth.iter().zip(&band.values).step_by(7).filter(|(_, value)| value.is_finite());
-    let mut sampled: Vec<f32> = sampled.map(|(value, _)| value.abs()).collect();
+    let mut sampled: Vec<f32> = sampled.map(|(value, _)| *value).collect();
     let usual = SIGMA_OF_MAD * median(sampled.iter().copied().map(f64::from).collect());
     // Single photons have more noise than their median, and a distribution with a longer tail: four sigmas of the square
     // root of their number are four sigmas and four photons. The photons of the streak have noise, too.
@@ -150,7 +150,7 @@ fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma
             let along = &lit[number.saturating_sub(reach)..(number + reach + 1).min(lit.len())];
             let along = along.iter().map(|other| other * height + offset);
             values.clear();
-            values.extend(along.filter(|at| band.values[*at].is_finite()).map(|at| smooth[at].abs()));
+            values.extend(along.filter(|at| band.values[*at].is_finite()).map(|at| smooth[at]));
             if values.is_empty() {
                 continue;
             }
@@ -164,8 +164,8 @@ fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma
     errors
 }
 
-/// Subtracts the median along the streak at each distance across it.
-fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
+/// Subtracts the median along the streak at each distance across it, or the mean of single photons.
+fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32], has_single_photons: bool) {
     let height = band.height;
     let lit: Vec<usize> = (0..band.len()).filter(|column| peaks[*column] > 0.0).collect();
     let mut values: Vec<f32> = Vec::with_capacity(lit.len());
@@ -177,12 +177,20 @@ fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
         if 2 * values.len() < lit.len() || values.is_empty() {
             continue;
         }
-        let middle = values.len() / 2;
-        let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
+        let level = usual(&mut values, has_single_photons);
         for column in &lit {
             residual[column * height + offset] -= level;
         }
     }
+}
+
+/// Returns the median of values, or the mean of single photons, whose median is 0. The values are reordered.
+fn usual(values: &mut [f32], has_single_photons: bool) -> f32 {
+    if has_single_photons {
+        return values.iter().sum::<f32>() / values.len() as f32;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// Returns the light of the streak in each column: a running median of the amplitudes of single columns, or a running mean
@@ -213,10 +221,8 @@ fn column_light(
     (0..band.len())
         .map(|column| {
             let near = column.saturating_sub(reach)..(column + reach + 1).min(band.len());
-            let near: Vec<f64> = amplitudes[near].iter().flatten().copied().collect();
-            let count = near.len() as f64;
-            let usual = if has_single_photons { near.iter().sum::<f64>() / count } else { median(near) };
-            if count > 0.0 { usual.max(0.0) as f32 } else { 0.0 }
+            let mut near: Vec<f32> = amplitudes[near].iter().flatten().map(|light| *light as f32).collect();
+            if near.is_empty() { 0.0 } else { usual(&mut near, has_single_photons).max(0.0) }
         })
         .collect()
 }

@@ -29,7 +29,8 @@ pub(super) fn without_offset(text: &str) -> (&str, f64) {
     let split = || {
         let time = text.find(':')?;
         let at = time + text[time..].rfind(['+', '-'])?;
-        let (hours, minutes) = text[at + 1..].split_once(':').unwrap_or((text.get(at + 1..at + 3)?, text.get(at + 3..)?));
+        let (hours, minutes) =
+            text[at + 1..].split_once(':').unwrap_or((text.get(at + 1..at + 3)?, text.get(at + 3..)?));
         let minutes = if minutes.is_empty() { 0 } else { minutes.parse::<u32>().ok()? };
         let hours = hours.parse::<u32>().ok().filter(|hours| *hours <= 14 && minutes < 60)?;
         let sign = if text[at..].starts_with('-') { -1.0 } else { 1.0 };

@@ -265,9 +265,10 @@ fn target_chip(
         has_gain_of_counts,
         whole_range: info.format.whole_range(),
         variance_hdu: variance_of(file, hdu)?,
-        saturation: overrides
-            .saturation
-            .or(calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate && !has_gain_of_counts)),
+        saturation: overrides.saturation.or(calibration
+            .saturation_adu
+            .map(|level| level.value)
+            .filter(|_| !is_flux && !is_rate && !has_gain_of_counts)),
     })
 }
 

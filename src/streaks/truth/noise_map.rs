@@ -154,9 +154,8 @@ mod tests {
         // Single photons, and dead pixels.
         let photons = map(|row, column| if scattered(row, column) > 0.9 { 1.0 } else { 0.0 });
         assert!((photons.at(100, 100) - 0.05f32.sqrt()).abs() < 0.03, "{}", photons.at(100, 100));
-        let dead = map(|row, column| {
-            if (row * 31 + column * 17) % 10 < 6 { 0.0 } else { 1000.0 + scattered(row, column) }
-        });
+        let dead =
+            map(|row, column| if (row * 31 + column * 17) % 10 < 6 { 0.0 } else { 1000.0 + scattered(row, column) });
         assert!((dead.at(100, 100) - 0.74).abs() < 0.1, "{}", dead.at(100, 100));
         // A part without values has the noise of the rest.
         let half = map(|row, column| if column < 128 { f64::NAN } else { scattered(row, column) });
