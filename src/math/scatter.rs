@@ -5,6 +5,8 @@
 pub const SIGMA_OF_MAD: f64 = 1.482_602_218_505_602;
 /// Smallest distance of dead pixels below the others, in the scatter of these.
 const DEAD_SIGMAS: f32 = 5.0;
+/// Smallest share of the pixels with the smallest value for which these are a pile.
+const LEAST_PILE: f64 = 0.3;
 /// Smallest number of dead pixels, and of other values beside those that are the same, and their smallest share.
 const LEAST_OTHERS: usize = 3;
 const LEAST_SHARE: f64 = 0.02;
@@ -24,24 +26,28 @@ pub struct Scatter {
 ///
 /// The scatter is 1.4826 times the median absolute deviation. Values that are the smallest one, several times, and far
 /// below the others, relative to their scatter, are those of dead pixels and are omitted. If more than half of the rest
-/// are the same, the others determine the scatter: if they are mostly one step away, they are single photons, and of a
-/// fraction p without any, -ln p is the mean and the variance of their number. Otherwise values are cut off.
+/// are the same, or many are the smallest value, the others determine the scatter: if they are mostly one step away, they
+/// are single photons, and of a fraction p without any, -ln p is the mean and the variance of their number. Otherwise
+/// values are cut off.
 pub fn scatter(values: &mut [f32]) -> Option<Scatter> {
     let mut alive = without_dead(values);
     let values = alive.as_deref_mut().unwrap_or(values);
     let middle = middle_of(values)?;
     let sigma = deviation(values.iter().copied(), middle)?;
     let found = Scatter { middle, sigma, step: 0.0 };
-    if sigma > 0.0 {
+    let least = values.iter().copied().fold(f32::INFINITY, f32::min);
+    let at_least = values.iter().filter(|value| **value == least).count();
+    let pile = if sigma <= 0.0 { middle } else { least };
+    if sigma > 0.0 && (at_least as f64) < LEAST_PILE * values.len() as f64 {
         return Some(found);
     }
-    let others: Vec<f32> = values.iter().copied().filter(|value| *value != middle).collect();
+    let others: Vec<f32> = values.iter().copied().filter(|value| *value != pile).collect();
     let share = others.len() as f64 / values.len() as f64;
     if others.len() < LEAST_OTHERS {
         return Some(found);
     }
-    let step = others.iter().map(|value| (value - middle).abs()).fold(f32::INFINITY, f32::min);
-    let usual = deviation(others.iter().copied(), middle)?;
+    let step = others.iter().map(|value| (value - pile).abs()).fold(f32::INFINITY, f32::min);
+    let usual = deviation(others.iter().copied(), pile)?;
     Some(if f64::from(usual) < 1.5 * SIGMA_OF_MAD * f64::from(step) {
         Scatter { sigma: step * (-(1.0 - share).ln()).sqrt() as f32, step, ..found }
     } else if share >= LEAST_SHARE {

@@ -26,10 +26,8 @@ const LEAST_RUNS: f64 = 0.2;
 const LARGEST_CUT: f64 = 3.0;
 /// Approximate number of pixels from which sky and noise are computed.
 const SAMPLE: usize = 100_000;
-/// Smallest distance from the sky of the smallest value, in sigmas of the sky, from which pixels with this value are dead,
-/// and smallest ratio of their number to that of pixels with the next value.
+/// Smallest distance from the sky of the smallest value, in sigmas of the sky, from which pixels with this value are dead.
 const LEAST_DEAD: f64 = 8.0;
-const LEAST_DEAD_RATIO: usize = 4;
 
 /// Levels of the illuminated pixels of a chip.
 #[derive(Copy, Clone, Debug)]
@@ -97,10 +95,7 @@ impl PixelLevels {
             && sky - f64::from(low[0]) <= LARGEST_CUT * noise
             && expected > 0.0
             && rows().map(ends).sum::<usize>() as f64 >= LEAST_RUNS * expected;
-        let is_dead = empty >= LEAST_FULL
-            && empty >= LEAST_DEAD_RATIO * above
-            && noise > 0.0
-            && sky - f64::from(low[0]) > LEAST_DEAD * noise;
+        let is_dead = empty >= LEAST_FULL && noise > 0.0 && sky - f64::from(low[0]) > LEAST_DEAD * noise;
         Some(Self {
             full: is_full.then_some((most, full)),
             empty: is_empty.then_some((f64::from(low[0]), share)),
