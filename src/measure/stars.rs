@@ -7,6 +7,8 @@ use crate::math::scatter::{SIGMA_OF_MAD, scatter};
 
 /// Threshold in sigmas of the light averaged over 3 by 3 pixels.
 const THRESHOLD_SIGMAS: f64 = 4.0;
+/// Largest noise of a pixel, photons, at which single photons are so few (0.16 a pixel) that medians are 0.
+const SPARSE: f32 = 0.4;
 /// Error of the model of the streak, as a fraction of the model at the pixel and as a fraction of its peak; both are
 /// added.
 const MODEL_ERROR: f64 = 0.2;
@@ -73,7 +75,8 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
     let peaks: Vec<f32> = (0..band.len()).map(peak_of).collect();
 
     let known = band.values.iter().filter(|value| value.is_finite());
-    let photon = scatter(&mut known.step_by(7).copied().collect::<Vec<f32>>()).map_or(0.0, |found| found.step);
+    let found = scatter(&mut known.step_by(7).copied().collect::<Vec<f32>>());
+    let photon = found.filter(|found| found.sigma < SPARSE * found.step).map_or(0.0, |found| found.step);
     let mut background = vec![0.0f32; band.len()];
     for columns in blocks.ranges() {
         let pixels =
