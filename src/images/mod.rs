@@ -36,7 +36,9 @@ mod telescope;
 mod telescope_streak;
 mod wcs;
 
-pub(crate) use detector::{AddedLight, FrameRows};
+pub(crate) use detector::AddedLight;
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use detector::FrameRows;
 #[cfg(all(feature = "fits", unix))]
 pub use fits::FrameFile;
 #[cfg(all(feature = "fits", unix))]

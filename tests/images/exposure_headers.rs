@@ -34,6 +34,9 @@ fn verif_spellings_of_the_start() {
         ("DATE-OBS= '2020-03-06T00:04:52.410'\nTIMESYS = 'TAI'", "2020-03-06T00:04:15.410", "DATE-OBS"),
         ("DATE-OBS= '2020-03-06T00:05:24.594'\nTIMESYS = 'TT'", "2020-03-06T00:04:15.410", "DATE-OBS"),
         ("DATE-BEG= '2020-03-06T00:04:15'\nDATE-OBS= '2020-03-06T00:04:15.9'", "2020-03-06T00:04:15", "DATE-BEG"),
+        ("DATE-OBS= '2020-03-06T02:04:15.41+02:00'", "2020-03-06T00:04:15.41", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-05 17:04:15.41-0700'", "2020-03-06T00:04:15.41", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06T05:34:15+05:30'\nMJD-OBS =  58914.00295139", "2020-03-06T00:04:15", "DATE-OBS"),
         ("MJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
         ("DATE-OBS= '06/03/20'\nMJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
         ("DATE-OBS= '2020-03-06'\nMJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
@@ -383,8 +386,15 @@ fn verif_settings_of_cameras_are_no_gains() {
         assert_eq!(calibration.gain_e_adu, None, "{cards}");
         assert!(calibration.doubtful_gain.expect(cards).contains("a setting of the camera"), "{cards}");
     }
+    let other = of("EGAIN   = 0.1226 / Electrons per ADU at true ADC bit depth");
+    assert_eq!(other.gain_e_adu, None);
+    assert!(other.doubtful_gain.unwrap().contains("not of the pixels of this file"));
     for (cards, gain) in [
         ("GAIN    = 360 / Sensor gain\nEGAIN   = 0.25 / [e-/ADU] Electrons per A/D unit", 0.25),
+        (
+            "EGAIN   = 0.1226 / Electrons per ADU at true ADC bit depth\nEGAINSAV= 0.00766 / Electrons per ADU at saved bit depth",
+            0.00766,
+        ),
         ("GAIN    = 1250.0 / [e-/ADU] Maximum equivalent gain", 1250.0),
         ("GAIN    = 3.3 / e/DN conversion", 3.3),
         ("GAIN    = 4.5 / camera gain (electrons/ADU)", 4.5),
@@ -547,6 +557,12 @@ fn verif_counts_of_stacked_frames() {
         "EXPTIME = 10.0\nEXP1TIME= 10.0\nCOEXP   = 6",
         "EXPTIME = 30.0\nPROCTYPE= 'Stacked'",
         "EXPTIME = 30.0\nIMAGETYP= 'STACK'",
+        "EXPTIME = 30.0\nIMAGETYP= 'Integration'",
+        "EXPTIME = 30.0\nIMAGETYP= 'MasterLight'",
+        "EXPTIME = 30.0\nFRAMETYP= 'LiveStack'",
+        "EXPTIME = 900.0\nINTEGRAT= 'Integration' / integration of light frames",
+        "EXPTIME = 900.0\nCALSTAT = 'DFBS'",
+        "EXPTIME = 12.0\nHIERARCH ESO DET WIN1 NDIT = 5",
         "EXPTIME = 30.0\nCOMMENT Stacked 12 images using median",
         "EXPTIME = 30.0\nHISTORY [Siril] Stacking result: 12 frames",
         "EXPTIME = 30.0\nHISTORY Combined 12 frames with average",
@@ -560,6 +576,12 @@ fn verif_counts_of_stacked_frames() {
         ("EXPTIME = 60.0\nDARK_CNT= 20 / Dark frames combined.", 60.0),
         ("EXPTIME = 60.0\nPROCTYPE= 'MasterCal stack, bias'", 60.0),
         ("EXPTIME = 60.0\nIMAGETYP= 'Master Dark'", 60.0),
+        ("EXPTIME = 60.0\nIMAGETYP= 'MasterFlat integration'", 60.0),
+        ("EXPTIME = 60.0\nCALSTAT = 'BDF'", 60.0),
+        ("EXPTIME = 60.0\nCALSTAT = 'BIAS'", 60.0),
+        ("EXPTIME = 30.0\nHIERARCH ESO DET WIN1 DIT1 = 0.1\nHIERARCH ESO DET WIN1 NDIT = 300", 30.0),
+        ("EXPTIME = 12.0\nHIERARCH ESO DET WIN1 DIT1 = 12.0\nHIERARCH ESO DET WIN1 NDIT = 5", 60.0),
+        ("EXPTIME = 12.0\nHIERARCH ESO DET2 DIT = 12.0\nHIERARCH ESO DET2 NDIT = 5", 60.0),
         ("EXPTIME = 10.4 / [sec] Effective integration time per pixel\nNUMREPS = 4 / Number of frame repeats", 10.4),
         ("EXPTIME = 12.0\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5", 60.0),
         ("EXPTIME = 300.0\nHIERARCH ESO DET DIT = 60.0\nHIERARCH ESO DET NDIT = 5", 300.0),
@@ -605,6 +627,19 @@ fn verif_other_readings_of_a_header_are_stated() {
         ("SUBEXP  = 5", "SUBEXP is 5"),
         ("DURATION= 130.0", "DURATION is 130 s"),
         ("TOTTIME = 600.0", "TOTTIME is 600 s"),
+        ("WALLTIME= 600.0", "WALLTIME is 600 s"),
+        ("OBS-DUR = 600", "OBS-DUR is 600 s"),
+        ("TIMESPAN= 10.0 / [min]", "TIMESPAN is 600 s"),
+        ("LENGTH  = 600.0 / [s] wall-clock time", "LENGTH is 600 s"),
+        ("UTC-LAST= '03:25:00'", "UTC-LAST is 570.0 s later than the end of the exposure"),
+        ("LASTUT  = '02:00:00'", "LASTUT is 4530.0 s earlier than the end of the exposure"),
+        ("MAXJD   = 2461274.65", "MAXJD is"),
+        ("UTCFIRST= '03:05:00'", "UTCFIRST is 600.0 s earlier than the start of the exposure"),
+        ("DATELAST= '2026-08-25'", "DATELAST is"),
+        ("DATE-END= '2026-08-25'", "DATE-END is"),
+        ("NINTS   = 12 / Number of integrations in exposure", "NINTS is 12"),
+        ("SOFTWARE= 'DeepSkyStacker 5.1.3'", "SOFTWARE is \"DeepSkyStacker 5.1.3\""),
+        ("INSTRUME= 'Canon EOS 6D'", "INSTRUME is Canon EOS 6D: if it is a local time"),
         ("T_STACK = 600.0 / total exposure time (s)", "T_STACK is 600 s"),
         ("OBS-END = '2026-08-22T03:45:00'", "OBS-END is 1770.0 s later than the end of the exposure"),
         ("SHUTCLOS= '2026-08-22T03:15:02'", "SHUTCLOS is 28.0 s earlier than the end"),
@@ -654,6 +689,14 @@ fn verif_other_readings_of_a_header_are_stated() {
         "CALEND  = '2030-01-01T00:00:00' / end of validity of calibration",
         "COMMENT Exposure time in seconds, times in UTC at start",
         "D2IMERR1= 0.02",
+        "UTC-FIRST= '03:15:00'\nUTC-LAST= '03:15:30'",
+        "MINJD   = 2461274.63542\nMAXJD   = 2461274.63576",
+        "DATELAST= '2026-08-22'",
+        "STEND   = '05:55:07' / ST end",
+        "LASTCAL = '2026-08-25T03:15:00'",
+        "LASTEXP = 12",
+        "INSTRUME= 'Canon EOS 6D'\nTIMESYS = 'UTC'",
+        "WALLTEMP= 285.0",
     ] {
         let found = time(&format!("{at}{card}")).unwrap_or_else(|error| panic!("{card}: {error}"));
         assert_eq!(found.remarks, [""; 0], "{card}");

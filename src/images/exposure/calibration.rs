@@ -215,7 +215,8 @@ const LARGEST_GAIN_E: f64 = 20.0;
 /// The reason why a value is not used: programs of cameras write a setting as GAIN.
 fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     let positive = |number: f64| number > 0.0;
-    let Some((keyword, value, comment)) = keywords.number(&["EGAIN", "GAIN", "CCDGAIN"], positive) else {
+    // EGAIN of SharpCap is that of the detector's own bits, and EGAINSAV that of the pixels.
+    let Some((keyword, value, comment)) = keywords.number(&["EGAINSAV", "EGAIN", "GAIN", "CCDGAIN"], positive) else {
         return Ok(of_amplifiers(keywords, &[], &["GAINA", "GAINB"], mean));
     };
     let words = Comment::new(&comment);
@@ -245,6 +246,9 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         lower.split_whitespace().any(|word| SETTING_CAMERAS.iter().any(|camera| is_of(word, camera)))
     });
     let is_setting = is_setting || (is_camera && keyword == "GAIN");
+    if words.has_pair("bit", "depth") && keyword != "EGAINSAV" {
+        return Err(format!("{keyword} is {value} ({}): perhaps not of the pixels of this file", words.text()));
+    }
     if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
         let stated = if comment.is_empty() { String::new() } else { format!(" ({})", words.text()) };
         return Err(format!("{keyword} is {value}{stated}: a setting of the camera or electrons per count"));

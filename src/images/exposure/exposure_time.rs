@@ -2,7 +2,7 @@
 
 use hifitime::{Epoch, TimeScale, TimeUnits};
 
-use crate::constants::LONGEST_EXPOSURE_S;
+use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 
@@ -43,6 +43,12 @@ const TIME_ERRORS: &[&str] = &["TIMEOFFS", "TIMSYER", "TIMRDER"];
 
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
+
+/// Beginnings of names of cameras whose clock is set by hand, often to local time.
+const HAND_SET_CAMERAS: &[&str] = &["canon", "nikon", "pentax", "fujifilm", "olympus", "dslr"];
+
+/// Time within which the first and the last exposure of a stack are expected. Dates farther away concern something else.
+const LONGEST_STACK_S: f64 = 30.0 * DAY_S;
 
 /// Longitude within which the zone of a site may be that of universal time, degrees.
 const ZERO_ZONE_DEG: f64 = 22.5;
@@ -382,9 +388,15 @@ fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
     ))
 }
 
-/// Returns a sentence about the zone of a header in which nothing states that the start is in universal time.
+/// Returns a sentence about the zone of a header, or the camera with a clock that is set by hand, if nothing states that
+/// the start is in universal time.
 fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<String> {
-    let (name, value) = keywords.cards().find_map(|card| {
+    let camera = || {
+        let (name, camera) = keywords.text(&["INSTRUME", "CAMERA"])?;
+        let lower = camera.to_ascii_lowercase();
+        HAND_SET_CAMERAS.iter().any(|maker| lower.starts_with(maker)).then_some((name, camera))
+    };
+    let of_card = keywords.cards().find_map(|card| {
         let name = card.keyword();
         let bare = name.replace(['-', '_', ' '], "");
         let is_zone = bare == "TZ"
@@ -406,7 +418,8 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
         let is_zone = !is_zero && (has_offset || !Comment::new(&value).is_universal());
         let is_local = value.parse().map_or(is_zone, is_offset);
         is_local.then_some((name, value))
-    })?;
+    });
+    let (name, value) = of_card.or_else(camera)?;
     // A scale, another clock of universal time, or a different local time show that the start is not local.
     let is_stated = timesys(keywords).is_some()
         || comments_of(keywords, start).iter().any(Comment::is_universal)
@@ -417,14 +430,17 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
     })
 }
 
-/// Returns sentences about middles and ends in keywords of other names that do not fit the exposure.
+/// Returns sentences about starts, middles and ends in keywords of other names that do not fit the exposure.
 fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<String> {
     let sentence = |other: &Instant| {
-        let part = if other.role == Role::Middle { "middle" } else { "end" };
-        let expected_s = if other.role == Role::Middle { duration_s / 2.0 } else { duration_s };
+        let (part, expected_s) = match other.role {
+            Role::Start => ("start", 0.0),
+            Role::Middle => ("middle", duration_s / 2.0),
+            Role::End => ("end", duration_s),
+        };
         let late_s = seconds_between(start.epoch, other.epoch) - expected_s;
         let slack_s = STATED_S + start.slack_s + other.slack_s + SHIFT_SLACK * duration_s;
-        (slack_s..LONGEST_EXPOSURE_S).contains(&late_s.abs()).then(|| {
+        (slack_s..LONGEST_STACK_S).contains(&late_s.abs()).then(|| {
             let side = if late_s > 0.0 { "later" } else { "earlier" };
             format!(
                 "{} is {:.1} s {side} than the {part} of the exposure, by the start of {}: for another exposure specify \
@@ -461,7 +477,7 @@ fn start_of(instant: &Instant, duration_s: f64) -> Start {
     let mut epoch = seconds_after(instant.epoch, -back_s);
     // The end may be on the day after the date of the start.
     if instant.day.is_some_and(|(midnight, is_start)| is_start && epoch < midnight) {
-        epoch = seconds_after(epoch, crate::constants::DAY_S);
+        epoch = seconds_after(epoch, DAY_S);
     }
     Start { epoch, from: format!("{}{what}", instant.from), slack_s: instant.slack_s }
 }

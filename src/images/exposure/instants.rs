@@ -8,7 +8,8 @@ use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_betwee
 
 use super::super::card::CardValue;
 use super::comment::{Comment, Role};
-use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution};
+use super::length::bare;
+use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution, without_offset};
 
 /// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
 pub(super) const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
@@ -87,6 +88,12 @@ pub(super) const NAMED_STARTS: &[&str] = &[
     "TM-START",
 ];
 
+/// Words before or after those of [`CLOCKS`] in keywords of the first and the last of several exposures, as in UTC-LAST and
+/// MINJD.
+const OUTERMOST: &[(Role, &str)] =
+    &[(Role::Start, "FIRST"), (Role::Start, "FRST"), (Role::Start, "MIN"), (Role::End, "LAST"), (Role::End, "MAX")];
+const CLOCKS: &[&str] = &["UT", "UTC", "TIME", "DATE", "JD", "MJD", "OBS", "EXP", "DATEOBS", "JDOBS", "MJDOBS"];
+
 /// Keywords of the date in universal time, beside a date that may be that of the night.
 const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"];
 
@@ -123,7 +130,8 @@ pub struct Instant {
 #[derive(Default)]
 pub struct Instants {
     pub found: Vec<Instant>,
-    /// Middles and ends in keywords of other names, such as OBS-END, which are only compared.
+    /// Middles, ends, and times of the first and last of several exposures, in keywords of other names, such as OBS-END and
+    /// UTC-LAST, which are only compared.
     pub others: Vec<Instant>,
     /// Error of a date with a year of two digits, or with an ambiguous order.
     pub unclear: Option<Error>,
@@ -230,8 +238,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Reads dates with a time and day numbers in other keywords whose name or comment states the middle or the end, such
-    /// as OBS-END and MIDMJD.
+    /// Reads dates, times and day numbers in other keywords whose name or comment states the middle, the end, or the first
+    /// or last of several exposures, such as OBS-END, MIDMJD and UTC-LAST.
     fn other_parts(&mut self) {
         let known = [
             DATES,
@@ -254,16 +262,24 @@ impl Reader<'_> {
             } else {
                 has(&["END", "STOP", "CLOS", "FIN"]).then_some(Role::End)
             };
+            let bare = bare(&name);
+            let outermost = OUTERMOST.iter().find(|(_, word)| {
+                let rest = bare.strip_prefix(word).or_else(|| bare.strip_suffix(word));
+                rest.is_some_and(|rest| CLOCKS.contains(&rest))
+            });
             let comment = Comment::new(&card.comment());
-            let role = match comment.role(named) {
-                Ok(Some(role)) if role != Role::Start && comment.scale().is_ok() => role,
+            let role = match (outermost, comment.role(named)) {
+                (Some((role, _)), Ok(_)) if comment.scale().is_ok() => *role,
+                (None, Ok(Some(role))) if role != Role::Start && comment.scale().is_ok() => role,
                 _ => continue,
             };
             // Times of the processing, BJD_TDB, JD_TT
             let in_name = Comment::new(&name);
             let is_of_processing = name.contains("TREND")
                 || comment.has("processing reduction proprietary release")
-                || (named.is_none() && !comment.has("exposure exp observation obs frame integration shutter"));
+                || (named.is_none()
+                    && outermost.is_none()
+                    && !comment.has("exposure exp observation obs frame integration shutter"));
             if is_of_processing || in_name.role(Some(role)).is_err() || in_name.scale() != Ok(None) {
                 continue;
             }
@@ -274,6 +290,10 @@ impl Reader<'_> {
             let (epoch, slack_s) = match card.value() {
                 Some(CardValue::Text(text)) => match parse_date(&text, scale) {
                     DateText::Moment(epoch) => (Some(epoch), 0.0),
+                    DateText::Day(day) if role == Role::End => (self.late_day(day, scale), 0.0),
+                    _ if bare.contains("UT") || bare.contains("TIME") || comment.has("ut utc time") => {
+                        (self.near_start(&text, scale), 0.0)
+                    }
                     _ => continue,
                 },
                 Some(CardValue::Real(days)) if days > 1e6 => {
@@ -287,6 +307,25 @@ impl Reader<'_> {
             let other = epoch.map(|epoch| Instant { slack_s, ..instant(epoch, name, role) });
             self.instants.others.extend(other);
         }
+    }
+
+    /// Returns the beginning of a day that is after the first start, such as the last night of a stack.
+    fn late_day(&self, day: [u32; 3], scale: TimeScale) -> Option<Epoch> {
+        let start = self.first_start()?;
+        at(day, [0, 0], 0.0, scale).filter(|midnight| *midnight > start)
+    }
+
+    fn first_start(&self) -> Option<Epoch> {
+        self.instants.found.iter().find(|instant| instant.role == Role::Start).map(|instant| instant.epoch)
+    }
+
+    /// Returns the epoch of a time of day that is within half a day of the first start.
+    fn near_start(&self, time: &str, scale: TimeScale) -> Option<Epoch> {
+        let (start, (clock, seconds)) = (self.first_start()?, parse_time(time)?);
+        let (year, month, day, ..) = start.to_gregorian(scale);
+        let epoch = at([u32::try_from(year).ok()?, month.into(), day.into()], clock, seconds, scale)?;
+        let late_days = (seconds_between(epoch, start) / DAY_S).round();
+        Some(seconds_after(epoch, late_days * DAY_S))
     }
 
     /// Combines a date with the time of day in another keyword. Returns false if there is none.
@@ -375,6 +414,12 @@ impl Reader<'_> {
         {
             self.add(instant(epoch, from, role), &value, &[comment]);
         } else {
+            let late_day = self.keywords.text_and_comment(keyword).and_then(|(name, text, comment)| {
+                let DateText::Day(day) = parse_date(&text, self.scale) else { return None };
+                let epoch = self.late_day(day, self.scale_of(&comment)).filter(|_| role == Role::End)?;
+                Some(instant(epoch, name, role))
+            });
+            self.instants.others.extend(late_day);
             self.clock(keyword, role, role == Role::End);
         }
         Ok(())
@@ -392,13 +437,7 @@ impl Reader<'_> {
         if let DateText::Moment(epoch) = parse_date(&value, scale) {
             return self.add(Instant { is_loose, ..instant(epoch, from, role) }, &value, &[comment]);
         }
-        let start = self.instants.found.iter().find(|instant| instant.role == Role::Start).map(|instant| instant.epoch);
-        let (Some(start), Some((clock, seconds))) = (start, parse_time(&value)) else { return };
-        let (year, month, day, ..) = start.to_gregorian(scale);
-        let Ok(year) = u32::try_from(year) else { return };
-        let Some(epoch) = at([year, month.into(), day.into()], clock, seconds, scale) else { return };
-        let late_days = (seconds_between(epoch, start) / DAY_S).round();
-        let epoch = seconds_after(epoch, late_days * DAY_S);
+        let Some(epoch) = self.near_start(&value, scale) else { return };
         self.add(Instant { is_loose, slack_s, ..instant(epoch, from, role) }, &value, &[comment]);
     }
 
@@ -456,7 +495,7 @@ impl Reader<'_> {
         });
         match role {
             Ok(role) => {
-                let is_without_seconds = value.trim_end_matches("+00:00").matches(':').count() == 1;
+                let is_without_seconds = without_offset(value).0.matches(':').count() == 1;
                 let slack_s = if is_without_seconds { MINUTE_S } else { instant.slack_s };
                 let stated_s = comments.iter().filter_map(Comment::uncertainty_s);
                 let slack_s = stated_s.fold(slack_s, f64::max);

@@ -22,8 +22,13 @@ const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
 /// Keywords of the time from the start to the end of the exposure, and of the sum over several exposures.
 const SPANS: &[&str] = &["TELAPSE", "TELAPSED"];
 const SUMS: &[&str] = &["LIVETIME", "TOTALEXP", "TOTEXP", "TOTEXPT", "EXPTOT", "EXPTOTAL"];
-/// Keywords of times that may be those of the exposure with gaps, of all parts of a stack, or of a sequence.
-const DOUBTFUL_TIMES: &[&str] = &["DURATION", "ELAPSED", "TEXP", "EXP-SUM", "REALTIME"];
+/// Keywords of times that may be those of the exposure with gaps, of all parts of a stack, or of a sequence, and parts of
+/// such keywords.
+const DOUBTFUL_TIMES: &[&str] = &["TEXP", "EXP-SUM"];
+const ELAPSED: &[&str] = &[
+    "ELAPS", "DURAT", "EXPDUR", "OBSDUR", "REALTIM", "WALLTIM", "WALLCL", "CLOCKTIM", "TIMESPAN", "EXPSPAN", "OBSSPAN",
+    "ONTIME", "ACQTIM",
+];
 const TOTALS: &[&str] = &["TOT", "CUM", "SUM"];
 
 /// Keywords of the number of exposures that the detector adds before it stores a frame.
@@ -37,6 +42,9 @@ const COADDS: &[&str] = &[
     "COADDONE",
     "NDIT",
     "ESO DET NDIT",
+    "ESO DET1 NDIT",
+    "ESO DET2 NDIT",
+    "ESO DET WIN1 NDIT",
     "NSUBEXP",
     "COEXP",
     "COAVERAG",
@@ -52,7 +60,7 @@ const STACKED: &[&str] = &[
 /// suffix.
 const COUNT_PREFIXES: &[&str] = &["NUMBEROF", "NUMBER", "NUM", "NB", "NO", "NR", "N"];
 const FRAME_KINDS: &[&str] =
-    &["IMG", "IMAG", "IMAGE", "FRAME", "FRM", "EXP", "EXPOSUR", "EXPOSURE", "SHOT", "REPEAT", "CYCLE"];
+    &["IMG", "IMAG", "IMAGE", "FRAME", "FRM", "EXP", "EXPOSUR", "EXPOSURE", "INT", "INTEG", "SHOT", "REPEAT", "CYCLE"];
 const SUMS_OF_FRAMES: &[&str] =
     &["STACK", "COADD", "COMB", "ICOMB", "AVER", "AVG", "ACC", "ACCUM", "ADD", "SUM", "SUB", "SUBEXP", "LIGHT"];
 const COUNT_SUFFIXES: &[&str] = &["COUNT", "CNT"];
@@ -60,13 +68,23 @@ const COUNT_SUFFIXES: &[&str] = &["COUNT", "CNT"];
 const OTHER_COUNTS: &[&str] = &["CRSPLIT", "SUMFRAME", "FRMSUM", "LIVESTCK"];
 /// Beginnings of numbered keywords with the names of added files.
 const INPUTS: &[&str] = &["COMB", "CMB", "INP", "PROV", "STACK", "COADD", "FILE", "RAW"];
-/// Keywords of the time of one integration and of their number in headers of ESO.
-const ESO_TIMES: &[&str] = &["ESO DET DIT", "ESO DET SEQ1 DIT"];
-const ESO_NUMBER: &str = "ESO DET NDIT";
-/// Keywords of the kind of a frame, and words of stacks in their values.
-const KINDS: &[&str] = &["IMAGETYP", "IMAGETYPE", "FRAMETYP", "OBSTYPE", "PRODTYPE", "PROCTYPE"];
+/// Keywords of the number of integrations in headers of ESO, and of the time of one of them.
+const ESO_INTEGRATIONS: &[(&str, &[&str])] = &[
+    ("ESO DET NDIT", &["ESO DET DIT", "ESO DET SEQ1 DIT"]),
+    ("ESO DET1 NDIT", &["ESO DET1 DIT", "ESO DET1 SEQ1 DIT"]),
+    ("ESO DET2 NDIT", &["ESO DET2 DIT", "ESO DET2 SEQ1 DIT"]),
+    ("ESO DET WIN1 NDIT", &["ESO DET WIN1 DIT1", "ESO DET WIN1 UIT1"]),
+];
+/// Keywords of the kind of a frame, and words of stacks, in their values and elsewhere.
+const KINDS: &[&str] =
+    &["IMAGETYP", "IMAGETYPE", "FRAMETYP", "FRAMETYPE", "IMGTYPE", "OBSTYPE", "PRODTYPE", "PROCTYPE", "INTEGRAT"];
+const KINDS_OF_STACKS: &[&str] = &["stack", "coadd", "integration", "integrated", "masterlight", "lightmaster"];
 const STACKS: &str = "stack stacked stacks stacking coadd coadded coaddition";
 const MASTER_LIGHT: &str = "light lights science object";
+/// Keyword with a letter for each step of the processing: S for stacked (ASTAP).
+const STEPS: &str = "CALSTAT";
+/// Programs that write little else than stacks, in lower case.
+const STACKING_PROGRAMS: &[&str] = &["deepskystacker", "astro pixel processor", "sequator", "autostakkert", "registax"];
 
 /// Comments of other counts of added frames state a number of [`FRAMES`], have a word of [`ADDED`], and none of
 /// [`OF_CALIBRATION`].
@@ -179,7 +197,10 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
     }
     let mut remarks = Vec::new();
     // EXPTIME of ESO is the time of one integration or of all, depending on the instrument.
-    let of_eso = keywords.number(ESO_TIMES, |time| time > 0.0).zip(keywords.number(&[ESO_NUMBER], |count| count > 1.0));
+    let of_eso = ESO_INTEGRATIONS.iter().find_map(|(number, times)| {
+        let time = keywords.number(times, |time| time > 0.0)?;
+        Some((time, keywords.number(&[number], |count| count > 1.0)?))
+    });
     let is_of_eso = |part_s: f64, count: f64| agree(seconds, part_s) || agree(seconds, count * part_s);
     let of_eso = of_eso.filter(|((_, part_s, _), (_, count, _))| is_of_eso(*part_s, *count));
     if let Some(((name, part_s, _), (number, count, _))) = &of_eso {
@@ -326,7 +347,10 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
     let is_known = |name: &str| [LENGTHS, SPANS, SUMS].concat().iter().any(|known| is_spelling(known, name));
     let is_total = |comment: &Comment| {
         let is_of_exposure = comment.has("exposure exptime integration observation");
-        ((comment.has(OF_ALL) || comment.has(STACKS)) && is_of_exposure || comment.has("elapsed"))
+        let is_elapsed = comment.has("elapsed wallclock walltime timespan")
+            || comment.has_pair("wall", "clock time")
+            || comment.has_pair("time", "span");
+        ((comment.has(OF_ALL) || comment.has(STACKS)) && is_of_exposure || is_elapsed)
             && !comment.has("number count")
             && !comment.has(OF_CALIBRATION)
             && !comment.has(OF_SERIES)
@@ -336,11 +360,14 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
     };
     let is_doubtful = |card: &&Card| {
         let name = card.keyword();
+        let bare = bare(&name);
         DOUBTFUL_TIMES.iter().any(|known| is_spelling(known, &name))
             || (matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_)))
                 && !is_known(&name)
                 && !is_of_calibration(&name)
-                && (is_total(&Comment::new(&card.comment())) || is_total_name(&name)))
+                && (is_total(&Comment::new(&card.comment()))
+                    || is_total_name(&name)
+                    || ELAPSED.iter().any(|part| bare.contains(part))))
     };
     let times =
         keywords.cards().filter(is_doubtful).filter_map(|card| stated(keywords, &card.keyword()).ok().flatten());
@@ -362,19 +389,32 @@ fn parts(keywords: Keywords<'_>, coadds: &[&str], is_per_part: bool) -> Option<P
     }
     let kind = KINDS.iter().find_map(|name| {
         keywords.text(&[name]).map(|(keyword, kind)| (keyword, Comment::new(&kind))).filter(|(_, kind)| {
-            (kind.has(STACKS) && !kind.has(OF_CALIBRATION) && !kind.has("candidate"))
+            let joined = bare(&kind.text().to_ascii_lowercase());
+            let is_stack = KINDS_OF_STACKS.iter().any(|word| joined.contains(word));
+            (is_stack && !kind.has(OF_CALIBRATION) && !is_of_calibration(&joined) && !kind.has("candidate"))
                 || (kind.has("master") && kind.has(MASTER_LIGHT))
         })
     });
+    let steps = || {
+        let (keyword, steps) = keywords.text(&[STEPS])?;
+        let is_letters = steps.chars().all(|letter| "BDFS".contains(letter));
+        (is_letters && steps.contains('S')).then(|| (keyword, Comment::new(&steps)))
+    };
+    let kind = kind.or_else(steps);
     if let Some((keyword, kind)) = kind {
         return Some(Parts { keyword, shown: format!("{:?}", kind.text()), count: 1.0 });
     }
     keywords.0.iter().find_map(|header| counted(header, is_per_part))
 }
 
+/// Returns a name without hyphens, underscores and blanks.
+pub(super) fn bare(name: &str) -> String {
+    name.replace(['-', '_', ' '], "")
+}
+
 /// Returns true if a name is that of a number of frames or exposures.
 fn is_count(name: &str) -> bool {
-    let bare = name.replace(['-', '_', ' '], "");
+    let bare = bare(name);
     let singular = bare.trim_end_matches('S');
     let is_kind = |root: &str| FRAME_KINDS.contains(&root) || SUMS_OF_FRAMES.contains(&root);
     OTHER_COUNTS.contains(&bare.as_str())
@@ -427,7 +467,9 @@ fn doubtful(keywords: Keywords<'_>, seconds: f64) -> Option<(String, String)> {
             None if REMARKS.contains(&keyword.as_str()) => card.remark_text(),
             _ => return None,
         };
-        is_of_sum(&text, seconds).then(|| (keyword, format!("{:?}", text.trim())))
+        let lower = text.to_ascii_lowercase();
+        let is_of_stacks = STACKING_PROGRAMS.iter().any(|program| lower.contains(program));
+        (is_of_stacks || is_of_sum(&text, seconds)).then(|| (keyword, format!("{:?}", text.trim())))
     };
     let is_input = |card: &&Card| {
         let keyword = card.keyword();

@@ -22,9 +22,27 @@ pub(super) enum DateText {
     Unreadable,
 }
 
-/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank may replace the T, and slashes may replace the hyphens.
+/// Splits the offset from universal time off a date with a time (ISO 8601), as in `2020-03-06T00:04:15-07:00`. Returns the
+/// rest and the offset in seconds.
+pub(super) fn without_offset(text: &str) -> (&str, f64) {
+    let text = text.trim().trim_end_matches('Z');
+    let split = || {
+        let time = text.find(':')?;
+        let at = time + text[time..].rfind(['+', '-'])?;
+        let (hours, minutes) =
+            text[at + 1..].split_once(':').unwrap_or((text.get(at + 1..at + 3)?, text.get(at + 3..)?));
+        let minutes = if minutes.is_empty() { 0 } else { minutes.parse::<u32>().ok()? };
+        let hours = hours.parse::<u32>().ok().filter(|hours| *hours <= 14 && minutes < 60)?;
+        let sign = if text[at..].starts_with('-') { -1.0 } else { 1.0 };
+        Some((&text[..at], sign * f64::from(3600 * hours + 60 * minutes)))
+    };
+    split().unwrap_or((text, 0.0))
+}
+
+/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank may replace the T, slashes may replace the hyphens, and an
+/// offset from universal time may follow.
 pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
-    let text = text.trim().trim_end_matches('Z').trim_end_matches("+00:00");
+    let (text, offset_s) = without_offset(text);
     let (day, time) = match text.split_once(['T', ' ']) {
         Some((day, time)) => (day, Some(time.trim())),
         None => (text, None),
@@ -44,7 +62,7 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
         None => DateText::Unreadable,
         Some(time) => match parse_time(time).and_then(|(clock, seconds)| at([year, month, day], clock, seconds, scale))
         {
-            Some(epoch) => DateText::Moment(epoch),
+            Some(epoch) => DateText::Moment(seconds_after(epoch, -offset_s)),
             None => DateText::Unreadable,
         },
     }
