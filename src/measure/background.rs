@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use crate::images::{LightArea, Plane};
 use crate::math::quantile::quantile;
-use crate::math::scatter::{SIGMA_OF_MAD, scatter};
 
 /// Side of a cell, pixels.
 const CELL: usize = 64;
@@ -12,6 +11,9 @@ const CELL: usize = 64;
 const STEP: usize = 3;
 /// Pixels are clipped to this number of sigmas around the background.
 const CLIP_SIGMAS: f32 = 4.0;
+/// Ratio of the standard deviation of a normal distribution and its median absolute deviation.
+pub const SIGMA_OF_MAD: f64 = 1.482_602_218_505_602;
+
 /// Sky background and noise of a frame in cells of 64 by 64 pixels.
 #[derive(Clone, Debug)]
 pub struct Background {
@@ -31,11 +33,7 @@ impl Background {
         let statistics = |cell: usize| {
             cell_statistics(plane, light_area, within(cell / across, rows), within(cell % across, columns))
         };
-        let mut cells: Vec<Option<(f32, f32)>> = (0..down * across).into_par_iter().map(statistics).collect();
-        // Cells without noise have the usual one of the others.
-        let mut sigmas: Vec<f32> = cells.iter().flatten().map(|cell| cell.1).filter(|sigma| *sigma > 0.0).collect();
-        let usual = scatter(&mut sigmas).map_or(1.0, |found| found.middle);
-        cells.iter_mut().flatten().filter(|cell| cell.1 <= 0.0).for_each(|cell| cell.1 = usual);
+        let cells = (0..down * across).into_par_iter().map(statistics).collect();
         Self { light_area: light_area.clone(), across, cells }
     }
 
@@ -65,7 +63,19 @@ fn cell_statistics(
         let lit = columns.clone().step_by(STEP).filter(|column| light_area.columns.contains(column));
         values.extend(lit.map(|column| plane.row(row)[column]).filter(|value| value.is_finite()));
     }
-    scatter(&mut values).map(|found| (found.middle, found.sigma))
+    let middle = median_f32(&mut values)?;
+    values.iter_mut().for_each(|value| *value = (*value - middle).abs());
+    let sigma = median_f32(&mut values)? * SIGMA_OF_MAD as f32;
+    Some((middle, if sigma > 0.0 { sigma } else { 1.0 }))
+}
+
+/// Returns a middle value and reorders the values; `None` if there are none.
+fn median_f32(values: &mut [f32]) -> Option<f32> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
 /// Returns the median and 1.4826 times the median absolute deviation; NaN without values.

@@ -1,9 +1,9 @@
 //! Pixels along a measured track, and their profile across it.
 
+use super::background::SIGMA_OF_MAD;
 use super::measurement::{StreakImage, StreakMeasurement};
 use crate::images::PixelPosition;
 use crate::math::quantile::median;
-use crate::math::scatter::SIGMA_OF_MAD;
 use crate::streaks::RadialProfile;
 
 /// Half width of a cut in widths of the streak, and its smallest and largest value in pixels.

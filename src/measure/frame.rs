@@ -165,9 +165,8 @@ pub fn measure_predictions(
         plane.values_mut().iter_mut().filter(|value| value.is_infinite()).for_each(|value| *value = f32::NAN);
         let levels = PixelLevels::new(&plane, &chip.light_area, target.whole_range.map(|(_, greatest)| greatest));
         done.remarks.extend(levels.iter().flat_map(|levels| levels.remarks(target)));
-        if let Some((dead, _)) = levels.and_then(|levels| levels.dead) {
-            plane.values_mut().iter_mut().filter(|value| **value == dead).for_each(|value| *value = f32::NAN);
-        }
+        let electrons_per_unit =
+            target.electrons_per_unit.filter(|gain| !levels.is_some_and(|levels| levels.contradict_gain(*gain)));
         let full = levels.and_then(|levels| levels.full);
         let background = Background::new(&plane, &chip.light_area);
         let image = StreakImage {
@@ -175,7 +174,7 @@ pub fn measure_predictions(
             background: &background,
             light_area: &chip.light_area,
             exposure_s: frame.exposure_s,
-            electrons_per_unit: target.electrons_per_unit,
+            electrons_per_unit,
             saturation: target.saturation.or(full.map(|(level, _)| level)),
             pixel_scale_arcsec: chip.pixel_scale_arcsec(),
             pixel_aspect: chip.pixel_aspect(),

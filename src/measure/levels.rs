@@ -3,8 +3,8 @@
 //! Noise and stars have ever fewer pixels towards the largest and the smallest value of a frame. Pixels that pile up
 //! exactly there are cut off: by saturation, or because a difference below 0 is no value of a frame of unsigned integers.
 
+use super::background::median_and_sigma;
 use crate::images::{LightArea, Plane};
-use crate::math::scatter::scatter;
 use crate::streaks::TargetChip;
 
 /// Smallest number of pixels at the largest value, and its smallest ratio to the number of pixels just below, for which
@@ -26,8 +26,8 @@ const LEAST_RUNS: f64 = 0.2;
 const LARGEST_CUT: f64 = 3.0;
 /// Approximate number of pixels from which sky and noise are computed.
 const SAMPLE: usize = 100_000;
-/// Smallest distance from the sky of the smallest value, in sigmas of the sky, from which pixels with this value are dead.
-const LEAST_DEAD: f64 = 8.0;
+/// Largest ratio of the variance of the sky to that of its photons by the gain for which the gain is that of other pixels.
+const LEAST_VARIANCE: f64 = 0.01;
 
 /// Levels of the illuminated pixels of a chip.
 #[derive(Copy, Clone, Debug)]
@@ -36,8 +36,10 @@ pub struct PixelLevels {
     pub full: Option<(f64, usize)>,
     /// Value at which the sky is cut off, and the share of the pixels with this value.
     pub empty: Option<(f64, f64)>,
-    /// Value of dead pixels, far below the sky, and their number.
-    pub dead: Option<(f32, usize)>,
+    /// Smallest and largest value.
+    range: [f64; 2],
+    sky: f64,
+    noise: f64,
 }
 
 impl PixelLevels {
@@ -64,8 +66,8 @@ impl PixelLevels {
         if count == 0 {
             return None;
         }
-        let mut sample: Vec<f32> = values().step_by(count.div_ceil(SAMPLE)).collect();
-        let (sky, noise) = scatter(&mut sample).map(|found| (f64::from(found.middle), f64::from(found.sigma)))?;
+        let sample: Vec<f64> = values().step_by(count.div_ceil(SAMPLE)).map(f64::from).collect();
+        let (sky, noise) = median_and_sigma(&sample);
         let near = high[1].min(high[0] - NEAR_SHARE * (high[0] - sky as f32));
         let (mut full, mut below, mut empty, mut above) = (0, 0, 0, 0);
         for value in values() {
@@ -95,11 +97,12 @@ impl PixelLevels {
             && sky - f64::from(low[0]) <= LARGEST_CUT * noise
             && expected > 0.0
             && rows().map(ends).sum::<usize>() as f64 >= LEAST_RUNS * expected;
-        let is_dead = empty >= LEAST_FULL && noise > 0.0 && sky - f64::from(low[0]) > LEAST_DEAD * noise;
         Some(Self {
             full: is_full.then_some((most, full)),
             empty: is_empty.then_some((f64::from(low[0]), share)),
-            dead: is_dead.then_some((low[0], empty)),
+            range: [f64::from(low[0]), most],
+            sky,
+            noise,
         })
     }
 
@@ -119,12 +122,21 @@ impl PixelLevels {
                 100.0 * share
             )
         });
-        let dead = self.dead.map(|(level, count)| {
+        let gain = target.electrons_per_unit.filter(|gain| self.contradict_gain(*gain)).map(|gain| {
             format!(
-                "HDU {hdu}: {count} pixels with the smallest value, {level}, far below the sky, are taken as dead and are not used"
+                "HDU {hdu}: the gain of {gain} electrons is not that of these pixels, which are from 0 to 1: errors do not \
+                 contain the photon noise of the streaks; specify --gain, the gain of the counts multiplied by their \
+                 number at 1"
             )
         });
-        full.into_iter().chain(empty).chain(dead).collect()
+        full.into_iter().chain(empty).chain(gain).collect()
+    }
+
+    /// Returns true if the gain is that of the counts before a program divided them by the largest one: all values are
+    /// from 0 to 1, and the sky has far less noise than that of its photons, √(sky / gain).
+    pub fn contradict_gain(&self, electrons_per_unit: f64) -> bool {
+        let [least, most] = self.range;
+        least >= 0.0 && most <= 1.0 && self.noise.powi(2) < LEAST_VARIANCE * self.sky / electrons_per_unit
     }
 }
 
@@ -192,7 +204,6 @@ mod tests {
         assert_eq!(levels(25.0, 5.0, |value| value.max(0.0).round()).empty, None);
         assert_eq!(levels(3.0, 0.7, |value| value.max(0.0).round()).empty, None);
         assert_eq!(levels(0.0, 5.0, |value| value).empty, None);
-        assert_eq!(levels(800.0, 30.0, |value| value.round()).dead, None);
         // Dead pixels at 0 below a sky, and single photons.
         let mut number = 0;
         let mut dead = |value: f64| {
@@ -205,16 +216,21 @@ mod tests {
             .iter_mut()
             .enumerate()
             .for_each(|(index, value)| *value = dead(1000.0 + (index * 37 % 41) as f64) as f32);
-        let of = |plane: &Plane| PixelLevels::new(plane, &LightArea::whole(100, 100), None).unwrap();
-        assert_eq!((of(&plane).empty, of(&plane).dead), (None, Some((0.0, 500))));
-        // Most pixels are dead.
-        plane.values_mut().iter_mut().enumerate().filter(|(index, _)| index * 31 % 10 < 6).for_each(|(_, v)| *v = 0.0);
-        assert!(of(&plane).empty.is_none() && of(&plane).dead.is_some_and(|(_, count)| count > 6000));
+        let of = |plane: &Plane| PixelLevels::new(plane, &LightArea::whole(100, 100), None).unwrap().empty;
+        assert_eq!(of(&plane), None);
         plane
             .values_mut()
             .iter_mut()
             .enumerate()
             .for_each(|(index, value)| *value = if index * 7919 % 101 < 9 { 1.0 } else { 0.0 });
-        assert_eq!((of(&plane).empty, of(&plane).dead), (None, None));
+        assert_eq!(of(&plane), None);
+    }
+
+    #[test]
+    fn the_gain_of_counts_does_not_belong_to_their_fractions() {
+        // Noise of the photons of a sky of 1000 counts at 0.5 electrons per count.
+        let fractions = levels(1000.0, 45.0, |value| value.clamp(0.0, 65535.0) / 65535.0);
+        assert!(fractions.contradict_gain(0.5) && !fractions.contradict_gain(0.5 * 65535.0));
+        assert!(!levels(1000.0, 45.0, |value| value).contradict_gain(0.5));
     }
 }

@@ -1,14 +1,12 @@
 //! Mask of stars and defects in the band around a streak.
 
+use super::background::SIGMA_OF_MAD;
 use super::band::Band;
 use super::fit::{Blocks, fit_blocks};
 use crate::math::quantile::median;
-use crate::math::scatter::{SIGMA_OF_MAD, scatter};
 
 /// Threshold in sigmas of the light averaged over 3 by 3 pixels.
 const THRESHOLD_SIGMAS: f64 = 4.0;
-/// Largest noise of a pixel, photons, at which single photons are so few (0.16 a pixel) that medians are 0.
-const SPARSE: f32 = 0.4;
 /// Error of the model of the streak, as a fraction of the model at the pixel and as a fraction of its peak; both are
 /// added.
 const MODEL_ERROR: f64 = 0.2;
@@ -31,7 +29,7 @@ const ERROR_SIGMAS: f32 = 1.5;
 pub struct StarMask {
     /// True for pixels with the light of stars or defects.
     pub mask: Vec<bool>,
-    /// Absolute values of the residuals averaged over 3 by 3 pixels.
+    /// Residuals averaged over 3 by 3 pixels.
     smooth: Vec<f32>,
     /// Threshold of each column, and its increase per unit of the template.
     thresholds: Vec<[f32; 2]>,
@@ -56,13 +54,12 @@ impl StarMask {
 
 /// Marks pixels that are brighter than streak and background, with their surroundings.
 ///
-/// 1. The background of a block is the median of its pixels outside the streak. Of single photons, here and below, it is
-///    the mean.
+/// 1. The background of a block is the median of its pixels outside the streak.
 /// 2. The light of the streak is fitted in each column; its running median is not affected by stars, which are shorter
 ///    than the median's length.
 /// 3. The median of the residuals at each distance across the streak is subtracted, because the profile of the streak
 ///    may differ from the model.
-/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold, or as far below 0, are marked. On the streak the threshold is
+/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked. On the streak the threshold is
 ///    not below the usual residuals at the same distance from its middle, which are the errors of the model of a bright
 ///    streak; stars are shorter than the part of the streak in which these are measured.
 /// 5. All pixels within one FWHM of a marked pixel are marked.
@@ -74,9 +71,6 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
     let peak_of = |column: usize| template[column * height..][..height].iter().copied().fold(0.0, f32::max);
     let peaks: Vec<f32> = (0..band.len()).map(peak_of).collect();
 
-    let known = band.values.iter().filter(|value| value.is_finite());
-    let found = scatter(&mut known.step_by(7).copied().collect::<Vec<f32>>());
-    let photon = found.filter(|found| found.sigma < SPARSE * found.step).map_or(0.0, |found| found.step);
     let mut background = vec![0.0f32; band.len()];
     for columns in blocks.ranges() {
         let pixels =
@@ -88,9 +82,11 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
         if values.is_empty() {
             continue;
         }
-        background[columns].fill(usual(&mut values, photon > 0.0));
+        let middle = values.len() / 2;
+        let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
+        background[columns].fill(level);
     }
-    let light = column_light(band, template, &peaks, &background, fwhm_pix, photon > 0.0);
+    let light = column_light(band, template, &peaks, &background, fwhm_pix);
 
     // Residuals; 0 where the frame has no pixel.
     let mut residual = vec![0.0f32; band.values.len()];
@@ -101,22 +97,12 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
             residual[at] = if value.is_finite() { value } else { 0.0 };
         }
     }
-    subtract_profile(band, &mut residual, &peaks, photon > 0.0);
-    // Pixels that are too faint, such as those with little response, are marked like stars.
-    let smooth: Vec<f32> = averaged(band, &residual).into_iter().map(f32::abs).collect();
+    subtract_profile(band, &mut residual, &peaks);
+    let smooth = averaged(band, &residual);
     let sampled = smooth.iter().zip(&band.values).step_by(7).filter(|(_, value)| value.is_finite());
-    let mut sampled: Vec<f32> = sampled.map(|(value, _)| *value).collect();
-    let usual = SIGMA_OF_MAD * median(sampled.iter().copied().map(f64::from).collect());
-    // Single photons have more noise than their median, and a distribution with a longer tail: four sigmas of the square
-    // root of their number are four sigmas and four photons. The photons of the streak have noise, too.
-    let photon = photon / 9.0;
-    let of_photons = scatter(&mut sampled).filter(|_| photon > 0.0).map_or(0.0, |found| f64::from(found.sigma));
-    let sigma = usual.max(of_photons);
-    let by_photons = if sigma > 0.0 { 0.5 * f64::from(photon) / sigma } else { 0.0 };
+    let sigma = SIGMA_OF_MAD * median(sampled.map(|(value, _)| f64::from(value.abs())).collect());
     let threshold = |(light, peak): (&f32, &f32)| {
-        let constant = (THRESHOLD_SIGMAS * sigma) as f32 + MODEL_ERROR_OF_PEAK as f32 * light * peak;
-        let by_light = MODEL_ERROR + THRESHOLD_SIGMAS * by_photons;
-        [constant + THRESHOLD_SIGMAS as f32 * photon, by_light as f32 * light]
+        [(THRESHOLD_SIGMAS * sigma) as f32 + MODEL_ERROR_OF_PEAK as f32 * light * peak, MODEL_ERROR as f32 * light]
     };
     let reach = fwhm_pix.round().max(1.0) as isize;
     let thresholds = light.iter().zip(&peaks).map(threshold).collect();
@@ -153,7 +139,7 @@ fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma
             let along = &lit[number.saturating_sub(reach)..(number + reach + 1).min(lit.len())];
             let along = along.iter().map(|other| other * height + offset);
             values.clear();
-            values.extend(along.filter(|at| band.values[*at].is_finite()).map(|at| smooth[at]));
+            values.extend(along.filter(|at| band.values[*at].is_finite()).map(|at| smooth[at].abs()));
             if values.is_empty() {
                 continue;
             }
@@ -167,8 +153,8 @@ fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma
     errors
 }
 
-/// Subtracts the median along the streak at each distance across it, or the mean of single photons.
-fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32], has_single_photons: bool) {
+/// Subtracts the median along the streak at each distance across it.
+fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
     let height = band.height;
     let lit: Vec<usize> = (0..band.len()).filter(|column| peaks[*column] > 0.0).collect();
     let mut values: Vec<f32> = Vec::with_capacity(lit.len());
@@ -180,32 +166,16 @@ fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32], has_single
         if 2 * values.len() < lit.len() || values.is_empty() {
             continue;
         }
-        let level = usual(&mut values, has_single_photons);
+        let middle = values.len() / 2;
+        let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
         for column in &lit {
             residual[column * height + offset] -= level;
         }
     }
 }
 
-/// Returns the median of values, or the mean of single photons, whose median is 0. The values are reordered.
-fn usual(values: &mut [f32], has_single_photons: bool) -> f32 {
-    if has_single_photons {
-        return values.iter().sum::<f32>() / values.len() as f32;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
-}
-
-/// Returns the light of the streak in each column: a running median of the amplitudes of single columns, or a running mean
-/// if most columns have no photon.
-fn column_light(
-    band: &Band,
-    template: &[f32],
-    peaks: &[f32],
-    background: &[f32],
-    fwhm_pix: f64,
-    has_single_photons: bool,
-) -> Vec<f32> {
+/// Returns the light of the streak in each column: a running median of the amplitudes of single columns.
+fn column_light(band: &Band, template: &[f32], peaks: &[f32], background: &[f32], fwhm_pix: f64) -> Vec<f32> {
     let height = band.height;
     let amplitude = |column: usize| -> Option<f64> {
         let (mut signal, mut weight) = (0.0, 0.0);
@@ -224,8 +194,8 @@ fn column_light(
     (0..band.len())
         .map(|column| {
             let near = column.saturating_sub(reach)..(column + reach + 1).min(band.len());
-            let mut near: Vec<f32> = amplitudes[near].iter().flatten().map(|light| *light as f32).collect();
-            if near.is_empty() { 0.0 } else { usual(&mut near, has_single_photons).max(0.0) }
+            let near: Vec<f64> = amplitudes[near].iter().flatten().copied().collect();
+            if near.is_empty() { 0.0 } else { median(near).max(0.0) as f32 }
         })
         .collect()
 }

@@ -1,11 +1,11 @@
 //! Zero point and seeing of an image from stars of known magnitude.
 
+use super::background::SIGMA_OF_MAD;
 use super::measurement::{Estimate, StreakImage};
 use super::star_table::CatalogueStar;
 use crate::error::Error;
 use crate::images::{PixelPosition, Wcs};
 use crate::math::quantile::median;
-use crate::math::scatter::SIGMA_OF_MAD;
 use crate::streaks::{Optics, RadialProfile, draw_point};
 use crate::watch::Watch;
 

@@ -24,8 +24,9 @@
 //!
 //! An element set on the other side of the exposure is preferred, because the error vanishes at both epochs.
 //!
-//! The Starlinks of a shell keep one mean motion ([`Shells`]). A satellite within 10 s/day of it takes it, also if it
-//! changed its orbit between the epochs: it has arrived. The older sets then improve its position at the epoch.
+//! The Starlinks of a shell keep one mean motion ([`Shells`]). A satellite whose mean motion is within 10 s/day of it is
+//! propagated with it, also if it changed its orbit between the epochs. The older sets then improve its position at the
+//! epoch.
 
 use std::f64::consts::{PI, TAU};
 
@@ -107,7 +108,7 @@ impl OrbitModel {
             .filter_map(|(model, links)| Some((model.elements.inclination_deg, links.best()?.mean_motion_rev_day)));
         let shells = Shells::new(mean_motions.collect());
         let pairs = alone.into_par_iter().zip(sets);
-        pairs.map(|((model, links), set)| model.in_shell(set, &links, &shells)).collect()
+        pairs.map(|((model, links), set)| model.in_shell(set, &links, &shells, moment)).collect()
     }
 
     /// Returns true if the satellite kept its mean motion between the epochs of two element sets.
@@ -117,11 +118,11 @@ impl OrbitModel {
     }
 
     /// Returns the orbit with the mean motion of the shell of the satellite, if it is in one.
-    fn in_shell(self, set: &ElementSet, links: &Links, shells: &Shells) -> Self {
+    fn in_shell(self, set: &ElementSet, links: &Links, shells: &Shells, moment: Epoch) -> Self {
         let OrbitKind::Starlink(class, motion) = self.class.kind else { return self };
         let Some(kept) = class.kept_mean_motion(set).filter(|_| class.has_shells()) else { return self };
-        // A change of the orbit was before the epoch, and not after it.
-        let is_before = links.best().is_none_or(|link| link.days < 0.0);
+        // True if a change of the orbit was before the epoch and the exposures.
+        let is_before = !links.is_enclosing && links.best().map_or(set.epoch <= moment, |link| link.days < 0.0);
         let mean_motion = match motion {
             _ if motion.is_of_older_sets() => self.elements.mean_motion_rev_day,
             MeanMotion::OneSet | MeanMotion::Changed | MeanMotion::Coasting if is_before => kept,

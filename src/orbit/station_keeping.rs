@@ -95,9 +95,9 @@ pub enum MeanMotion {
     Enclosed,
     /// The shell of the satellite; element sets of other epochs agree with it.
     Shell,
-    /// The shell of the satellite, at which it arrived after the epochs of the other element sets.
+    /// The shell of the satellite, without another element set that agrees with it, as after its arrival there.
     Arrived,
-    /// That of two element sets, or one, of a satellite that is not near any shell of its inclination.
+    /// Two element sets, or one, of a satellite far from all shells of its inclination.
     OffShell,
     /// One element set: according to another one, the satellite changed its orbit between the epochs.
     Changed,
@@ -120,7 +120,14 @@ impl MeanMotion {
     pub fn is_improved(self) -> bool {
         matches!(
             self,
-            Self::TwoSets | Self::FourSets | Self::Enclosed | Self::Shell | Self::Arrived | Self::Coasting | Self::Rate
+            Self::TwoSets
+                | Self::FourSets
+                | Self::Disagreeing
+                | Self::Enclosed
+                | Self::Shell
+                | Self::Arrived
+                | Self::Coasting
+                | Self::Rate
         )
     }
 }

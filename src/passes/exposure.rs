@@ -50,7 +50,7 @@ impl Exposure {
 
     /// Rejects numbers that are not finite, exposure times below 0 or above 32 days, and times outside the years of the
     /// ephemeris of Sun and Earth.
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         let id = &self.id;
         if !(0.0..=LONGEST_S).contains(&self.duration_s) {
             let given = format!("{} s", self.duration_s);

@@ -16,9 +16,8 @@ use super::shift::{Interval, clear_starts};
 use super::starts::reason_for_unknown_starts;
 use super::verdict_rules::blocks;
 
-/// Time before and after the times allowed by altitudes and limits, and their margins, in which satellites are searched that
-/// may be late or early, seconds.
-const SEARCHED_BEYOND_S: f64 = 600.0;
+/// Time searched before and after the observable times and their margins for satellites that may be late or early, seconds.
+const LATE_S: f64 = 1800.0;
 
 /// Sky, policy and constraints for clear windows.
 pub struct WindowRequest<'a> {
@@ -131,6 +130,9 @@ fn windows_of(
     if span_s < 0.0 {
         return Ok(WindowReport { by_target: vec![TargetWindows::default(); targets.len()], left_out: Vec::new() });
     }
+    for target in targets {
+        Exposure { start: from, duration_s: span_s, ..target.exposure.clone() }.check()?;
+    }
     let constraint = ObservabilityConstraint::new(request, from, span_s)?;
     let allowed: Vec<Vec<Interval>> = targets
         .iter()
@@ -139,8 +141,14 @@ fn windows_of(
             Ok(constraint.observable(&target.exposure))
         })
         .collect::<Result<_, Error>>()?;
-    let [start, end] = sky.viewpoint().known_part([from, to], margin_s, margin_s).unwrap_or([from, to]);
-    let ends_s = [start, end].map(|epoch| seconds_between(from, epoch));
+    let beyond_s = margin_s + if policy.min_probability.is_some() { LATE_S } else { 0.0 };
+    let ends_s = [-margin_s, span_s + margin_s];
+    let searched_around = |interval: &Interval| {
+        let around = [interval.start_s, interval.end_s].map(|time_s| seconds_after(from, time_s));
+        let known = sky.viewpoint().known_part(around, beyond_s, beyond_s).unwrap_or(around);
+        let [start_s, end_s] = known.map(|epoch| seconds_between(from, epoch).clamp(ends_s[0], ends_s[1]));
+        Interval { start_s, end_s }
+    };
     let (owners, exposures): (Vec<usize>, Vec<Exposure>) = targets
         .iter()
         .zip(&allowed)
@@ -148,7 +156,7 @@ fn windows_of(
         .flat_map(|(owner, (target, allowed))| {
             let long =
                 allowed.iter().filter(|interval| interval.end_s - interval.start_s >= target.exposure.duration_s);
-            let searched = with_edges(long, SEARCHED_BEYOND_S + margin_s, ends_s).into_iter();
+            let searched = joined(long.map(searched_around)).into_iter();
             searched.map(move |Interval { start_s, end_s }| {
                 let start = seconds_after(from, start_s);
                 (owner, Exposure { start, duration_s: end_s - start_s, ..target.exposure.clone() })
@@ -176,7 +184,10 @@ fn windows_of(
             let longest_s = allowed.iter().map(|interval| interval.end_s - interval.start_s).fold(0.0, f64::max);
             blocking_passes.retain(|pass| {
                 let [enter_s, exit_s] = [&pass.enter, &pass.exit].map(|point| seconds_between(from, point.epoch));
-                let is_then = |interval: &Interval| enter_s <= interval.end_s && exit_s >= interval.start_s;
+                let allowance_s = margin_s + lateness_allowance_s(pass, policy);
+                let is_then = |interval: &Interval| {
+                    enter_s - allowance_s <= interval.end_s && exit_s + allowance_s >= interval.start_s
+                };
                 with_passes && allowed.iter().any(is_then)
             });
             let observable: Vec<Interval> = allowed
@@ -211,16 +222,13 @@ fn windows_of(
     Ok(WindowReport { by_target, left_out })
 }
 
-/// Extends intervals on both sides by `beyond_s` within the two `ends_s`, and joins those that then overlap. They are in
-/// order of time.
-fn with_edges<'a>(intervals: impl Iterator<Item = &'a Interval>, beyond_s: f64, ends_s: [f64; 2]) -> Vec<Interval> {
+/// Joins intervals that overlap. They are in order of time.
+fn joined(intervals: impl Iterator<Item = Interval>) -> Vec<Interval> {
     let mut joined: Vec<Interval> = Vec::new();
     for interval in intervals {
-        let start_s = (interval.start_s - beyond_s).max(ends_s[0]);
-        let end_s = (interval.end_s + beyond_s).min(ends_s[1]);
         match joined.last_mut() {
-            Some(last) if start_s <= last.end_s => last.end_s = end_s,
-            _ => joined.push(Interval { start_s, end_s }),
+            Some(last) if interval.start_s <= last.end_s => last.end_s = last.end_s.max(interval.end_s),
+            _ => joined.push(interval),
         }
     }
     joined

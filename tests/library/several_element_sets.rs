@@ -310,6 +310,14 @@ fn verif_mean_motion_of_a_shell() {
         );
         assert_eq!(few, OrbitModel::from_sets(&newest, &[older], at, DragModel::StationKeeping));
     }
+    // For exposures between its two sets it is not known whether it had arrived.
+    let inclined = |set: ElementSet| ElementSet { inclination_deg: 53.16, ..set };
+    let between = epoch() + 0.5 * Unit::Day;
+    let (newest, mut older) = (inclined(set(V2_MINI, 1.0, 8.0 / period_s)), inclined(set(V2_MINI, -7.0, 0.0)));
+    older.mean_anomaly_deg += 20.0;
+    let (sets, others) = shell_and(&newest, &older);
+    let found = OrbitModel::of_catalogue(&sets, &others, between, DragModel::StationKeeping).pop().unwrap();
+    assert_eq!(found, OrbitModel::from_sets(&newest, &[older], between, DragModel::StationKeeping));
 }
 
 /// Files of two days, a folder of them, and one file with both, give the same sky.

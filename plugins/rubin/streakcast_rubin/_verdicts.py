@@ -39,7 +39,7 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
 
 class ConditionsCheck:
     """Compares site and times of the scheduler with the model, the clock of this computer and the altitude of the Sun, once
-    for each time of the conditions: those of a queue are minutes old when its last visit is dispatched."""
+    for each time of the conditions, which are as old as the queue."""
 
     def __init__(self, hook: Hook, scale: str) -> None:
         self._hook, self._scale = hook, scale

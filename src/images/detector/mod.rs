@@ -11,7 +11,9 @@ mod saturation;
 mod settings;
 mod vignetting;
 
-pub use add::{AddedLight, FrameRows};
+pub use add::AddedLight;
+#[cfg(all(feature = "fits", unix))]
+pub use add::FrameRows;
 pub use conversion::Quantisation;
 pub use crosstalk::ReadoutCorner;
 pub use saturation::{Bleeding, Saturated, Saturation};

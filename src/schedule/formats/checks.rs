@@ -87,6 +87,8 @@ const COUNTS: &[&str] = &[
 ];
 /// Those that are also names of columns of text, such as kinds of frames.
 const ALSO_TEXTS: &[&str] = &["exposures", "frames", "loops", "repeat", "repeats", "snaps", "stack", "subs"];
+/// Those that are also names of running numbers of rows.
+const ALSO_ROW_NUMBERS: &[&str] = &["count", "exposures", "frames"];
 /// Number of rows by which a column of running numbers is recognised.
 const COMPARED_ROWS: usize = 20;
 /// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by less
@@ -185,7 +187,7 @@ impl Checks {
             // The unit of `exposure_s` is not the plural of `exposures`.
             let meaning =
                 of_row.or_else(|| (COUNTS.contains(&&*name) && !lower.ends_with("_s")).then_some(Meaning::Count))?;
-            let is_number = meaning == Meaning::Count && numbers_rows(table, index);
+            let is_number = ALSO_ROW_NUMBERS.contains(&&*name) && is_row_number(table, index);
             (Some(index) != counted && !is_number).then(|| (index, table.names[index].clone(), meaning))
         };
         Ok(Self { others, meanings: (0..table.names.len()).filter_map(meaning).collect() })
@@ -241,10 +243,10 @@ impl Checks {
 }
 
 /// Returns true if a column has the running numbers of the rows, by the first of them.
-fn numbers_rows(table: &RawTable, index: usize) -> bool {
+fn is_row_number(table: &RawTable, index: usize) -> bool {
     let value = |row: Cow<'_, ScheduleRow>| row.as_ref().as_ref().ok()?.get(index)?.number().ok();
-    let values: Vec<f64> = table.rows.iter().take(COMPARED_ROWS).filter_map(value).collect();
-    values.len() > 2 && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
+    let values: Option<Vec<f64>> = table.rows.iter().take(COMPARED_ROWS).map(value).collect();
+    values.is_some_and(|values| values.len() > 2 && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0))
 }
 
 /// Returns true for the name of a frame with other axes than ICRS.
@@ -277,12 +279,18 @@ mod tests {
 
     #[test]
     fn a_column_of_running_numbers_counts_no_exposures() {
-        for (values, is_counted) in [(["1", "2", "3"], false), (["0", "1", "2"], false), (["1", "1", "2"], true)] {
-            let mut table = RawTable::new(ScheduleFormat::Csv, ["duration_s", "count"].map(str::to_owned).to_vec());
+        for (name, values, is_counted) in [
+            ("count", ["1", "2", "3"], false),
+            ("frames", ["0", "1", "2"], false),
+            ("count", ["1", "1", "2"], true),
+            ("count", ["1", "", "2"], true),
+            ("ndit", ["1", "2", "3"], true),
+        ] {
+            let mut table = RawTable::new(ScheduleFormat::Csv, ["duration_s", name].map(str::to_owned).to_vec());
             let row = |value: &&str| Ok(vec![Cell::from_text("30"), Cell::from_text(value)]);
             table.rows = values.iter().map(row).collect::<Vec<_>>().into();
             let checks = Checks::find(Path::new("t.csv"), &table, &[(Some(0), &DURATIONS)], None).unwrap();
-            assert_eq!(!checks.meanings.is_empty(), is_counted, "{values:?}");
+            assert_eq!(!checks.meanings.is_empty(), is_counted, "{name} {values:?}");
         }
     }
 

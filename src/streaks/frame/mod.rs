@@ -1,8 +1,6 @@
-//! Frames in files. `target_frame` reads a frame into which streaks are injected (`fractions` tests its
-//! gain), `write` writes the copy with streaks.
+//! Frames in files. `target_frame` reads a frame into which streaks are injected, `write` writes the copy with streaks.
 //! `synthetic` simulates a frame, `synthetic_shot` holds its exposure, and `star_trails` draws its trailed stars.
 
-mod fractions;
 mod star_trails;
 mod synthetic;
 mod synthetic_shot;

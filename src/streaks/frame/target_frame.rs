@@ -7,7 +7,6 @@ use hifitime::Epoch;
 
 use super::super::chip::{Chip, circle_of};
 use super::super::count_scale::CountScale;
-use super::fractions::are_fractions;
 use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, Gcrs};
 use crate::geometry::Site;
@@ -46,8 +45,6 @@ pub struct TargetChip {
     pub saturation: Option<f64>,
     /// Smallest and largest count that a frame of integers can hold.
     pub whole_range: Option<(f64, f64)>,
-    /// True if the gain is not used because it is that of counts, and the pixels are fractions of the largest count.
-    pub has_gain_of_counts: bool,
     /// HDU with the variance of each pixel, if the file is a masked image of Rubin's pipelines.
     pub variance_hdu: Option<usize>,
 }
@@ -114,14 +111,6 @@ impl TargetFrame {
         }
         let first_headers = headers(first)?;
         let calibration = Calibration::from_headers(&first_headers);
-        let of_header = calibration.gain_e_adu.as_ref().map_or("gain", |gain| gain.keyword.as_str());
-        let given = if overrides.gain_e_adu.is_some() { "--gain" } else { of_header };
-        let of_counts = chips.iter().any(|target| target.has_gain_of_counts).then(|| {
-            format!(
-                "{given} is that of counts, and the pixels are from 0 to 1: the gain of such pixels is that of the counts \
-                 multiplied by their number at 1, for example 65535"
-            )
-        });
         Ok(Self {
             opened,
             exposure_s,
@@ -129,7 +118,7 @@ impl TargetFrame {
             images,
             left_out: left_out.into_iter().map(|(hdu, error)| (hdu, error.to_string())).collect(),
             time_remarks: exposure.remarks,
-            doubtful_gain: of_counts.or(calibration.doubtful_gain.filter(|_| overrides.gain_e_adu.is_none())),
+            doubtful_gain: calibration.doubtful_gain.filter(|_| overrides.gain_e_adu.is_none()),
             filter: calibration.band.map(|band| band.value),
             mask_planes: mask_planes(&file)?,
             file,
@@ -247,28 +236,14 @@ fn target_chip(
         PixelUnit::Counts => calibration.gain_e_adu.map(|gain| gain.value),
     });
     let is_rate = calibration.is_rate;
-    let electrons_per_unit = gain_e_adu.map(|gain| if is_rate { gain * exposure_s } else { gain });
-    let is_whole = info.format.whole_range().is_some();
-    let has_gain_of_counts = match electrons_per_unit {
-        Some(gain) if !is_whole => are_fractions(file, hdu, &light_area, gain)?,
-        _ => false,
-    };
-    let of_counts = calibration.zero_point.as_ref().filter(|_| overrides.zero_point.is_none() && has_gain_of_counts);
-    if let Some(zero_point) = of_counts {
-        let given = format!("{}, of counts, and the pixels are from 0 to 1", zero_point.mag);
-        let allowed = "the magnitude of a star with a total of 1 in these pixels, with --zero-point";
-        return Err(Error::invalid(&zero_point.keyword, given, allowed).in_hdu(path.as_ref(), hdu));
-    }
     Ok(TargetChip {
         chip: Chip { hdu, name, rows, columns, light_area, wcs, is_on_sky, scale },
-        electrons_per_unit: electrons_per_unit.filter(|_| !has_gain_of_counts),
-        has_gain_of_counts,
+        electrons_per_unit: gain_e_adu.map(|gain| if is_rate { gain * exposure_s } else { gain }),
         whole_range: info.format.whole_range(),
         variance_hdu: variance_of(file, hdu)?,
-        saturation: overrides.saturation.or(calibration
-            .saturation_adu
-            .map(|level| level.value)
-            .filter(|_| !is_flux && !is_rate && !has_gain_of_counts)),
+        saturation: overrides
+            .saturation
+            .or(calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate)),
     })
 }
 
