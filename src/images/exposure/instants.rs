@@ -8,8 +8,7 @@ use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_betwee
 
 use super::super::card::CardValue;
 use super::comment::{Comment, Role};
-use super::length::bare;
-use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution, without_offset};
+use super::moment::{DateText, Keywords, at, bare, is_spelling, parse_date, parse_time, resolution, without_offset};
 
 /// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
 pub(super) const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];

@@ -7,7 +7,7 @@ use super::super::card::{Card, CardValue};
 use super::super::header::Header;
 use super::comment::{Comment, seconds_in};
 use super::instants::unreadable;
-use super::moment::{Keywords, is_spelling};
+use super::moment::{Keywords, bare, is_spelling};
 
 /// Keywords of the exposure time, in order of precedence.
 const LENGTHS: &[&str] =
@@ -405,11 +405,6 @@ fn parts(keywords: Keywords<'_>, coadds: &[&str], is_per_part: bool) -> Option<P
         return Some(Parts { keyword, shown: format!("{:?}", kind.text()), count: 1.0 });
     }
     keywords.0.iter().find_map(|header| counted(header, is_per_part))
-}
-
-/// Returns a name without hyphens, underscores and blanks.
-pub(super) fn bare(name: &str) -> String {
-    name.replace(['-', '_', ' '], "")
 }
 
 /// Returns true if a name is that of a number of frames or exposures.

@@ -188,6 +188,11 @@ impl<'a> Keywords<'a> {
     }
 }
 
+/// Returns a name without hyphens, underscores and blanks.
+pub(super) fn bare(name: &str) -> String {
+    name.replace(['-', '_', ' '], "")
+}
+
 /// Returns true if a name is a keyword as [`Keywords::find`] reads it.
 pub(super) fn is_spelling(keyword: &str, name: &str) -> bool {
     keyword == name || keyword.replace('-', "_") == name || keyword.replace('-', "") == name
