@@ -50,7 +50,8 @@ pub struct ElementSet {
     pub mean_motion_ddot_rev_day3: f64,
     /// Revolution number at epoch; 0 if omitted.
     pub revolution_at_epoch: u32,
-    /// Time from which the satellite is known to have decayed: the end of the day of DECAY_DATE; `None` if omitted.
+    /// Time from which the satellite is known to have decayed: that of DECAY_DATE, the end of its day without a time;
+    /// `None` if omitted.
     pub decayed: Option<Epoch>,
     /// Origin of the element set.
     pub origin: Origin,

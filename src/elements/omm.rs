@@ -258,17 +258,18 @@ impl<'a> Fields<'a> {
         Ok(())
     }
 
-    /// Returns the end of the day of DECAY_DATE.
+    /// Returns the time of DECAY_DATE, or the end of its day if it has no time. Midnight is that of a date without a time.
     fn decayed(&self) -> Result<Option<hifitime::Epoch>, Error> {
         let Some(text) = self.get(Keyword::DecayDate) else { return Ok(None) };
-        let date = text.split(['T', ' ']).next().unwrap_or_default();
-        let midnight = epoch::parse_iso(date).ok_or_else(|| {
+        let (date, time) = text.trim().split_once(['T', ' ']).unwrap_or((text.trim(), ""));
+        let has_time = time.contains(|c: char| matches!(c, '1'..='9'));
+        let decayed = epoch::parse_iso(if has_time { text } else { date }).ok_or_else(|| {
             Error::format(format!(
-                "invalid epoch {:?}: expected DECAY_DATE as YYYY-MM-DD",
+                "invalid epoch {:?}: expected DECAY_DATE as YYYY-MM-DD or YYYY-MM-DDThh:mm:ss",
                 Quoted::new(excerpt(text.as_bytes()))
             ))
         })?;
-        Ok(Some(midnight + hifitime::Unit::Day * 1))
+        Ok(Some(if has_time { decayed } else { decayed + hifitime::Unit::Day * 1 }))
     }
 
     /// Accepts only elements for SGP4. Elements of another theory have the same form, but give errors of kilometres.

@@ -63,7 +63,9 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
                 .push((first_offset, Error::format("line 1 of an element set is not followed by its line 2")));
         }
         let is_data = line.len() >= DATA_LENGTH && !is_key(line);
-        let is_pair = lines.peek().is_some_and(|(_, next)| next.starts_with(b"2 ") && !is_key(next));
+        // "1 per week" and "2 per day" are text.
+        let has_number = line.iter().skip(2).take(5).any(u8::is_ascii_digit);
+        let is_pair = has_number && lines.peek().is_some_and(|(_, next)| next.starts_with(b"2 ") && !is_key(next));
         if line.starts_with(b"1 ") && (is_data || is_pair) {
             first = Some((offset, line));
         } else if line.starts_with(b"2 ") && is_data {

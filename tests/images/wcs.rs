@@ -276,3 +276,28 @@ fn verif_ignored_terms_are_rejected() {
         with(cards).unwrap_or_else(|error| panic!("{cards}: {error}"));
     }
 }
+
+/// Rotations of the old keywords CROTAi that contradict PCi_j or each other.
+#[test]
+fn verif_rotations_that_contradict_each_other_are_errors() {
+    let with = |cards: &str| {
+        let (head, tail): (Vec<&str>, Vec<&str>) = PLAIN.lines().partition(|line| line.starts_with("CD"));
+        assert_eq!(head.len(), 4);
+        Wcs::from_header(&Header::from_text(&format!("{}\nCDELT1  = -0.0001\nCDELT2  = 0.0001\n{cards}\n", tail.join("\n"))))
+    };
+    for (cards, words) in [
+        ("PC1_1   = 1.0\nPC2_2   = 1.0\nCROTA2  = 30.0", "CROTA2 is 30, but PCi_j"),
+        ("PC1_1   = 0.866\nPC1_2   = -0.5\nPC2_1   = 0.5\nPC2_2   = 0.866\nCROTA2  = 30.0", "CROTA2 is 30"),
+        ("CROTA1  = 30.0", "CROTA1 is 30, but CROTA2 is 0"),
+        ("CROTA1  = 10.0\nCROTA2  = 30.0", "CROTA1 is 10, but CROTA2 is 30"),
+    ] {
+        let error = with(cards).expect_err(cards).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    // A rotation of 30 degrees: PC1_2 = -sin ρ s₂/s₁ is positive, because s₁ is negative.
+    let turned = "PC1_1   = 0.8660254\nPC1_2   = 0.5\nPC2_1   = -0.5\nPC2_2   = 0.8660254";
+    for cards in ["CROTA2  = 30.0", "CROTA1  = 30.0\nCROTA2  = 30.0", turned, &format!("{turned}\nCROTA2  = 0.0")] {
+        with(cards).unwrap_or_else(|error| panic!("{cards}: {error}"));
+    }
+    assert!(with(&format!("{turned}\nCROTA2  = 30.0")).is_ok());
+}

@@ -358,9 +358,11 @@ fn unclear_epochs_and_decayed_satellites() {
     assert_eq!(decayed(&json), None);
     assert_eq!(decayed(&with("\"DECAY_DATE\": null")), None);
     let end = Some("2026-03-22T00:00:00 UTC".parse::<hifitime::Epoch>().unwrap());
-    for text in ["2026-03-21", "2026-03-21 00:00:00", "2026-03-21T13:00:00"] {
+    for text in ["2026-03-21", "2026-03-21 00:00:00"] {
         assert_eq!(decayed(&with(&format!("\"DECAY_DATE\": \"{text}\""))), end, "{text}");
     }
+    let noon = Some("2026-03-21T12:00:00 UTC".parse::<hifitime::Epoch>().unwrap());
+    assert_eq!(decayed(&with("\"DECAY_DATE\": \"2026-03-21T12:00:00\"")), noon);
     assert!(error(&with("\"DECAY_DATE\": \"soon\"")).contains("DECAY_DATE as YYYY-MM-DD"));
     // Positions exist up to the end of that day.
     let set = read(with("\"DECAY_DATE\": \"2026-03-21\"").as_bytes()).unwrap().element_sets.remove(0);

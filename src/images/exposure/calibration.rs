@@ -172,10 +172,12 @@ fn of_amplifiers(
 
 /// Words in comments of a gain that is a setting of the camera, in its own steps, or of one of its stages.
 const SETTINGS: &str = "db setting settings sensor camera analog analogue digital iso index mode value level percent \
-     percentage unitless zwo qhy step steps pre preamp preamplifier em emccd multiplication shift bit bits units dial \
+     percentage unitless relative zwo qhy step steps pre preamp preamplifier em emccd multiplication shift bit bits units dial \
      slider";
 /// Keywords that camera programs write beside a gain that is a setting.
-const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL"];
+const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL", "ISOSPEED", "ISO"];
+/// Keywords of the multiplication of electrons before the amplifier, by which a gain is to be divided.
+const MULTIPLICATIONS: &[&str] = &["EMGAIN", "EM-GAIN", "EMREALGN", "MULTGAIN"];
 /// Keywords with the camera or the program that wrote the header, and beginnings of words of those whose gain is a
 /// setting.
 const CAMERAS: &[&str] = &["INSTRUME", "CAMERA", "CAMMODEL", "DETECTOR", "SWCREATE", "CREATOR", "PROGRAM", "SOFTWARE"];
@@ -188,6 +190,13 @@ const SETTING_CAMERAS: &[&str] = &[
     "altair",
     "svbony",
     "player",
+    "poseidon",
+    "atr3",
+    "atr2",
+    "atik",
+    "dmk",
+    "dfk",
+    "apt",
     "omegon",
     "ogma",
     "risingcam",
@@ -221,7 +230,7 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     };
     let words = Comment::new(&comment);
     let joined = comment.to_ascii_lowercase().replace([' ', '(', ')', '[', ']'], "");
-    let is_inverse = ["adu/e", "dn/e", "adupere", "dnpere", "count/e", "counts/e", "countpere", "countspere"]
+    let is_inverse = ["adu/e", "dn/e", "adupere", "dnpere", "count/e", "counts/e", "countpere", "countspere", "adu/photo", "count/photo", "counts/photo"]
         .iter()
         .any(|words| joined.contains(words));
     let has_unit = is_inverse
@@ -248,6 +257,9 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     let is_setting = is_setting || (is_camera && keyword == "GAIN");
     if words.has_pair("bit", "depth") && keyword != "EGAINSAV" {
         return Err(format!("{keyword} is {value} ({}): perhaps not of the pixels of this file", words.text()));
+    }
+    if let Some((multiplication, factor, _)) = keywords.number(MULTIPLICATIONS, |factor| factor > 1.0) {
+        return Err(format!("{keyword} is {value}, and {multiplication} is {factor}: with or without the multiplication"));
     }
     if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
         let stated = if comment.is_empty() { String::new() } else { format!(" ({})", words.text()) };

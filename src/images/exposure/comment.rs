@@ -43,12 +43,13 @@ const FILLERS: &str = "of the at to a an in and or between this first each actua
 const PERIODS: &str = "block blocks ob sequence sequences series night run session program programme queue script";
 /// Ends and middles as sums or in languages in which the word alone has other meanings, without blanks, in lower case.
 const PHRASES: &[(Role, &[&str])] = &[
-    (
-        Role::Middle,
-        &["exptime/2", "exposure/2", "exp/2", "0.5*exp", "exptime*0.5", "50%of", "metaposa", "metaesposizione"],
-    ),
-    (Role::End, &["+exp", "plusexp", "fineesposizione", "finedell", "fineposa"]),
+    (Role::Middle, &["50%of", "metaposa", "metaesposizione"]),
+    (Role::End, &["+exp", "+texp", "+t_exp", "+xposure", "plusexp", "fineesposizione", "finedell", "fineposa"]),
 ];
+/// Beginnings of names of the exposure time in formulas, and a half of it before and after such a name.
+const LENGTHS: &[&str] = &["exp", "texp", "t_exp", "xpos", "itime", "integ", "dur", "telapse", "dit"];
+const HALVES_BEFORE: &[&str] = &["0.5*", "1/2*", "1/2", "0.5x", ".5*", "half*"];
+const HALVES_AFTER: &[&str] = &["/2", "*0.5", "*.5"];
 /// Phrases in which a word of a part or of a zone qualifies something else.
 const OTHER_MEANINGS: &[&str] = &[
     "front end",
@@ -215,9 +216,12 @@ impl Comment {
         let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
         let phrase = PHRASES.iter().find(|(role, list)| {
-            (*role == Role::Middle || !of_others) && list.iter().any(|phrase| joined.contains(phrase))
+            (*role == Role::Middle || !of_others || is_sum(&joined)) && list.iter().any(|phrase| joined.contains(phrase))
         });
         let mut stated: Vec<Role> = phrase.map(|(role, _)| *role).into_iter().collect();
+        if has_half(&joined) {
+            stated = vec![Role::Middle];
+        }
         if stated == [Role::Middle] {
             // "start + exptime/2"
             return (stated, false);
@@ -269,6 +273,10 @@ impl Comment {
     /// Returns true if the comment states a local time.
     pub fn is_local(&self) -> bool {
         if self.has_offset() {
+            return true;
+        }
+        // "UTC minus 7 hours", "not UTC"
+        if self.has_pair(UNIVERSAL, "minus plus") || self.has_pair("not", UNIVERSAL) {
             return true;
         }
         let is_universal = self.has(UNIVERSAL);
@@ -451,6 +459,11 @@ impl Comment {
         if is_marked("m") {
             return Err("the unit m".to_owned());
         }
+        for form in ["log10", "log(", "1/x"] {
+            if lower.contains(form) {
+                return Err(format!("a function of seconds ({form})"));
+            }
+        }
         let words = lower.split(|c: char| !c.is_ascii_alphabetic());
         let mut units: Vec<f64> =
             words.filter(|word| !is_short(word) || is_marked(word)).filter_map(seconds_in).collect();
@@ -468,6 +481,29 @@ impl Comment {
             _ => Err("several units".to_owned()),
         }
     }
+}
+
+/// Returns true if a text without blanks contains a half of the exposure time, such as `0.5*texp` and `exptime/2`.
+fn has_half(joined: &str) -> bool {
+    LENGTHS.iter().any(|length| {
+        let is_before = HALVES_BEFORE.iter().any(|half| joined.contains(&format!("{half}{length}")));
+        let is_after = || {
+            joined.match_indices(length).any(|(at, _)| {
+                let rest = joined[at..].trim_start_matches(|c: char| c.is_ascii_alphabetic() || c == '_');
+                HALVES_AFTER.iter().any(|half| {
+                    rest.strip_prefix(half).is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()))
+                })
+            })
+        };
+        is_before || is_after()
+    })
+}
+
+/// Returns true if a text without blanks is a sum of another keyword, as in `date-beg+exptime`.
+fn is_sum(joined: &str) -> bool {
+    let rest = joined.trim_start_matches(['(', '[', '=']);
+    let name = rest.find(|c: char| c != '-' && !c.is_ascii_alphanumeric()).map_or(rest, |end| &rest[..end]);
+    name.contains('-') && rest[name.len()..].starts_with('+')
 }
 
 /// Returns true if a word of a part qualifies the time or the exposure, false if it may, and `None` if it does not. The
@@ -534,7 +570,7 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
         "us" | "usec" | "usecs" | "microsec" | "microsecs" | "microsecond" | "microseconds" => 1e-6,
         "ns" | "nsec" | "nanosec" | "nanosecond" | "nanoseconds" => 1e-9,
         "ks" | "ksec" | "kilosecond" | "kiloseconds" => 1e3,
-        "min" | "mins" | "minute" | "minutes" => 60.0,
+        "min" | "mins" | "mn" | "minute" | "minutes" => 60.0,
         "h" | "hr" | "hrs" | "hour" | "hours" => 3600.0,
         "d" | "day" | "days" => crate::constants::DAY_S,
         _ => return None,
@@ -555,6 +591,14 @@ mod tests {
             ("mean time of exposure", Ok(Some(Role::Middle))),
             ("average of start and end", Ok(Some(Role::Middle))),
             ("DATE-OBS + 0.5*EXPTIME", Ok(Some(Role::Middle))),
+            ("UT at t_start + 0.5*texp", Ok(Some(Role::Middle))),
+            ("start + 1/2 exp (UTC)", Ok(Some(Role::Middle))),
+            ("DATE-BEG + XPOSURE/2", Ok(Some(Role::Middle))),
+            ("frame 1/2, exposure 1/20 s", Ok(None)),
+            ("DATE-BEG + EXPTIME", Ok(Some(Role::End))),
+            ("MJD-OBS + texp", Ok(Some(Role::End))),
+            ("UTC minus 7 hours", Err("a local time")),
+            ("camera clock not UTC", Err("a local time")),
             ("JD, mean equinox", Ok(None)),
             ("UTC from front end computer", Ok(None)),
             ("UTC of exposure, f-stop 8", Ok(None)),
@@ -711,6 +755,9 @@ mod tests {
             ("JD", Ok(Some(86400.0))),
             ("Max exposure (min/max/avg)", Ok(None)),
             ("exposure in m", Err("the unit m".to_owned())),
+            ("mn", Ok(Some(60.0))),
+            ("log10(s)", Err("a function of seconds (log10)".to_owned())),
+            ("shutter speed 1/x s", Err("a function of seconds (1/x)".to_owned())),
             ("secs/1000", Err("a unit divided by a number".to_owned())),
             ("exposure (?s)", Err("a unit that is not ASCII".to_owned())),
         ] {

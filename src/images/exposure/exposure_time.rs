@@ -35,8 +35,11 @@ const COARSE_S: f64 = 10.0;
 /// Word of TIMESYS for a clock that is not exactly in the scale (NOAO: `UTC approximate`).
 const APPROXIMATE: &str = "APPROXIMATE";
 
-/// Beginnings of keywords of the offset of a local time from universal time, without hyphens.
-const ZONES: &[&str] = &["TIMEZON", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
+/// Beginnings of keywords of the zone of a local time or its offset from universal time, without hyphens.
+const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
+
+/// Beginnings of keywords of the clock, whose value may be "local".
+const CLOCKS: &[&str] = &["CLOCK", "CLK", "TIMETYP", "TIMEBAS", "TIMEREF", "TIMESRC"];
 
 /// Keywords of errors of times, and of an offset (FITS standard 4.0, section 9.4).
 const TIME_ERRORS: &[&str] = &["TIMEOFFS", "TIMSYER", "TIMRDER"];
@@ -401,7 +404,9 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
         let bare = name.replace(['-', '_', ' '], "");
         let is_zone = bare == "TZ"
             || ZONES.iter().any(|zone| bare.starts_with(zone))
-            || Comment::new(&card.comment()).is_of_zone();
+            || Comment::new(&card.comment()).is_of_zone()
+            || (CLOCKS.iter().any(|clock| bare.starts_with(clock))
+                && matches!(card.value(), Some(CardValue::Text(text)) if Comment::new(&text).is_local()));
         let value = match card.value().filter(|_| is_zone)? {
             CardValue::Integer(number) => number.to_string(),
             CardValue::Real(number) => number.to_string(),
@@ -454,17 +459,22 @@ fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<Strin
     instants.others.iter().filter_map(sentence).collect()
 }
 
-/// Returns the error of a date and a time of day of the middle or the end, if the start is on the day before and
-/// nothing states whether the date is that of the start.
+/// Returns the error of a date and a time of day of different parts of the exposure that are perhaps on different days:
+/// the start is on the day before, and nothing states that the date is that of the start; or the end is on the day after,
+/// and the date is that of the end.
 fn day_problem(instant: &Instant, duration_s: f64) -> Option<Error> {
-    let (midnight, is_start) = instant.day?;
+    let (midnight, part) = instant.day?;
     let start = start_of(instant, duration_s);
-    let is_before = start.epoch < midnight;
-    let given = || format!("{} on the day before the date", start.epoch.round(1.milliseconds()));
-    (is_before && !is_start).then(|| {
-        let allowed = "a date that its comment states to be that of the start, or --start";
-        Error::invalid(format!("start of {}", start.from), given(), allowed)
-    })
+    let is_before = start.epoch < midnight && part != Some(Role::Start);
+    let is_after = seconds_between(midnight, start.epoch) + duration_s >= DAY_S && part == Some(Role::End);
+    let given = match (is_before, is_after) {
+        (true, _) => "on the day before the date",
+        (_, true) => "with the end on the day after the date, which is that of the end",
+        _ => return None,
+    };
+    let given = format!("{} {given}", start.epoch.round(1.milliseconds()));
+    let allowed = "a date that its comment states to be that of the start, or --start";
+    Some(Error::invalid(format!("start of {}", start.from), given, allowed))
 }
 
 /// Returns the start of an exposure of which an instant is known.
@@ -476,7 +486,7 @@ fn start_of(instant: &Instant, duration_s: f64) -> Start {
     };
     let mut epoch = seconds_after(instant.epoch, -back_s);
     // The end may be on the day after the date of the start.
-    if instant.day.is_some_and(|(midnight, is_start)| is_start && epoch < midnight) {
+    if instant.day.is_some_and(|(midnight, part)| part == Some(Role::Start) && epoch < midnight) {
         epoch = seconds_after(epoch, DAY_S);
     }
     Start { epoch, from: format!("{}{what}", instant.from), slack_s: instant.slack_s }

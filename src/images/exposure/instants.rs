@@ -120,9 +120,9 @@ pub struct Instant {
     pub role: Role,
     /// True for keywords that are used only if no other keyword gives the start.
     pub is_loose: bool,
-    /// Beginning of the day of a date in another keyword, and true if its comment states that it is the date of the
-    /// start.
-    pub day: Option<(Epoch, bool)>,
+    /// Beginning of the day of a date in another keyword, and the part of the exposure to which the date belongs by its
+    /// comment.
+    pub day: Option<(Epoch, Option<Role>)>,
 }
 
 /// Instants of a header in order of precedence, and the reasons why others are not used.
@@ -360,8 +360,7 @@ impl Reader<'_> {
                 let epochs = at(day, clock, seconds, scale).zip(at(day, [0, 0], 0.0, scale));
                 let (epoch, midnight) =
                     epochs.ok_or_else(|| unreadable(name.clone(), &value, "a time such as 00:30:00.5"))?;
-                let is_start = matches!(of_date.role(None), Ok(Some(Role::Start)));
-                let day = Some((midnight, is_start));
+                let day = Some((midnight, of_date.role(None).ok().flatten()));
                 // The comment of the time determines the role, and that of the date if it states none.
                 let comments = [comment, of_date.clone()];
                 let from = format!("{date} + {name}");

@@ -30,6 +30,14 @@ const ELAPSED: &[&str] = &[
     "ONTIME", "ACQTIM",
 ];
 const TOTALS: &[&str] = &["TOT", "CUM", "SUM"];
+/// Keywords of the true or measured exposure time, which may be shorter than the requested one, and words of comments.
+const TRUE_TIMES: &[&str] = &[
+    "ACTEXP", "ACTTIME", "ACTUALEX", "REALEXP", "REALTIME", "TRUEEXP", "EXPOSED", "EXPMEAS", "MEASEXP", "REXPTIME", "DARKTIME",
+    "ELAPSED",
+];
+const TRUE: &str = "actual real measured true";
+/// Words of exposures that were ended early.
+const ABORTED: &str = "abort aborted interrupted cancelled canceled";
 
 /// Keywords of the number of exposures that the detector adds before it stores a frame.
 const COADDS: &[&str] = &[
@@ -48,8 +56,10 @@ const COADDS: &[&str] = &[
     "NSUBEXP",
     "COEXP",
     "COAVERAG",
-    "NUMACC",
+    ACCUMULATIONS,
 ];
+/// Number of accumulations (Andor).
+const ACCUMULATIONS: &str = "NUMACC";
 /// Keywords of the number of frames that were added afterwards.
 const STACKED: &[&str] = &[
     "STACKCNT", "NCOMBINE", "NCOMB", "NUM-COMB", "SNAPSHOT", "N-STACK", "NUMSTACK", "STACKNUM", "STACKED", "NINPUTS",
@@ -65,7 +75,7 @@ const SUMS_OF_FRAMES: &[&str] =
     &["STACK", "COADD", "COMB", "ICOMB", "AVER", "AVG", "ACC", "ACCUM", "ADD", "SUM", "SUB", "SUBEXP", "LIGHT"];
 const COUNT_SUFFIXES: &[&str] = &["COUNT", "CNT"];
 /// Other keywords of such numbers.
-const OTHER_COUNTS: &[&str] = &["CRSPLIT", "SUMFRAME", "FRMSUM", "LIVESTCK"];
+const OTHER_COUNTS: &[&str] = &["CRSPLIT", "SUMFRAME", "FRMSUM", "FRAMEAVG", "LIVESTCK"];
 /// Beginnings of numbered keywords with the names of added files.
 const INPUTS: &[&str] = &["COMB", "CMB", "INP", "PROV", "STACK", "COADD", "FILE", "RAW"];
 /// Keywords of the number of integrations in headers of ESO, and of the time of one of them.
@@ -251,6 +261,9 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
             "{keyword} is {seconds} s, but {other} is {other_s} s: {keyword} is used; for another span specify --exposure"
         ));
     }
+    remarks.extend(aborted(keywords).map(|(name, value)| {
+        format!("{keyword} is {seconds} s, and {name} is {value}: if the exposure was shorter, specify --exposure")
+    }));
     let of_part = keywords.number(PART_TIMES, |time| agree(time, seconds));
     let is_whole = is_whole
         || parts.as_ref().is_some_and(|Parts { count, .. }| {
@@ -277,7 +290,8 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
     }
     let parts = parts.or_else(|| is_resampled.then(|| Parts::new(keyword.clone(), 1.0)));
     let of_parts = parts.and_then(|Parts { keyword: name, shown, count }| {
-        let is_coadd = COADDS.iter().any(|coadds| is_spelling(coadds, &name));
+        // The comment of Andor is "Total Exposure Time" also where EXPOSURE is the time of one accumulation.
+        let is_coadd = COADDS.iter().any(|coadds| is_spelling(coadds, &name)) && (is_whole || name != ACCUMULATIONS);
         if is_of_all && is_coadd {
             return None;
         }
@@ -288,7 +302,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         } else {
             format!("{seconds} s, and {name} is {shown}: the time of one exposure or of all")
         };
-        let least_s = if is_of_all { seconds } else { count * seconds };
+        let least_s = if is_of_all && name != ACCUMULATIONS { seconds } else { count * seconds };
         let allowed = format!(
             "the time from the first to the last exposure; specify it, for example --exposure {least_s}s if there are no gaps"
         );
@@ -341,8 +355,8 @@ fn agree(a: f64, b: f64) -> bool {
     (a - b).abs() <= LENGTH_SLACK_S + LENGTH_SLACK * a.abs()
 }
 
-/// Returns longer times than the exposure that may concern the same frame, by their name or by a comment such as "total
-/// exposure time".
+/// Returns other times that may be those of the same frame: longer ones by their name or by a comment such as "total
+/// exposure time", and shorter ones that are true or measured.
 fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
     let is_known = |name: &str| [LENGTHS, SPANS, SUMS].concat().iter().any(|known| is_spelling(known, name));
     let is_total = |comment: &Comment| {
@@ -358,23 +372,44 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
     let is_total_name = |name: &str| {
         TOTALS.iter().any(|total| name.starts_with(total)) && (name.contains("EXP") || name.contains("TIM"))
     };
+    let is_true = |name: &str, comment: &Comment| {
+        TRUE_TIMES.iter().any(|known| is_spelling(known, name))
+            || (comment.has(TRUE) && comment.has("exposure exptime integration") && !comment.has(OF_CALIBRATION))
+    };
     let is_doubtful = |card: &&Card| {
-        let name = card.keyword();
+        let (name, comment) = (card.keyword(), Comment::new(&card.comment()));
         let bare = bare(&name);
+        let is_number = matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_))) && !is_known(&name);
+        let is_longer =
+            || is_total(&comment) || is_total_name(&name) || ELAPSED.iter().any(|part| bare.contains(part));
         DOUBTFUL_TIMES.iter().any(|known| is_spelling(known, &name))
-            || (matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_)))
-                && !is_known(&name)
-                && !is_of_calibration(&name)
-                && (is_total(&Comment::new(&card.comment()))
-                    || is_total_name(&name)
-                    || ELAPSED.iter().any(|part| bare.contains(part))))
+            || (is_number && (is_true(&name, &comment) || (!is_of_calibration(&name) && is_longer())))
     };
     let times =
         keywords.cards().filter(is_doubtful).filter_map(|card| stated(keywords, &card.keyword()).ok().flatten());
-    let mut longer: Vec<Stated> =
-        times.filter(|time| (seconds + STATED_S..=LONGEST_EXPOSURE_S).contains(&time.seconds)).collect();
-    longer.dedup_by(|next, time| next.keyword == time.keyword);
-    longer
+    let differs = |time: &Stated| {
+        let is_shorter = time.seconds > 0.0 && time.seconds < seconds && !agree(seconds, time.seconds);
+        // A dark time contains overheads.
+        let is_longer = (seconds + STATED_S..=LONGEST_EXPOSURE_S).contains(&time.seconds);
+        (is_longer && !is_of_calibration(&time.keyword))
+            || (is_shorter && is_true(&time.keyword, &time.comment))
+    };
+    let mut others: Vec<Stated> = times.filter(differs).collect();
+    others.dedup_by(|next, time| next.keyword == time.keyword);
+    others
+}
+
+/// Returns the card that states that the exposure was ended early.
+fn aborted(keywords: Keywords<'_>) -> Option<(String, String)> {
+    keywords.cards().find_map(|card| {
+        let name = card.keyword();
+        let value = match card.value()? {
+            CardValue::Logical(true) if name.contains("ABORT") => "T".to_owned(),
+            CardValue::Text(text) if Comment::new(&text).has(ABORTED) && !text.contains(' ') => format!("{text:?}"),
+            _ => return None,
+        };
+        Some((name, value))
+    })
 }
 
 /// Returns the number of exposures that are added in the frame, if they are several. `is_per_part` is true if the comment

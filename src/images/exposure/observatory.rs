@@ -74,7 +74,8 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
         }
         stated.push((format!("{}, ...", names[0]), site));
     }
-    let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
+    // Names of several sites, and of sites that are part of an unknown name.
+    let (mut networks, mut hints): (Vec<(String, Vec<&Site>)>, Vec<(String, Vec<&Site>)>) = Default::default();
     for keyword in NAMES {
         // WISE in capitals is the telescope in space, and Wise a site on the Earth.
         let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| text != "WISE") else { continue };
@@ -83,7 +84,15 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
         }
         let shown = format!("{keyword} {text:?}");
         match Site::candidates(&text).as_slice() {
-            [] => {}
+            // "CTIO 1.0 meter telescope": the first word must not contradict another name.
+            [] => {
+                let word = text.split([' ', ',', '/']).next().unwrap_or_default();
+                if let [site] = Site::candidates(word).as_slice()
+                    && word.bytes().any(|byte| byte.is_ascii_alphabetic())
+                {
+                    hints.push((shown, vec![site]));
+                }
+            }
             [site] => stated.push((shown, (*site).clone())),
             sites => networks.push((shown, sites.to_vec())),
         }
@@ -101,6 +110,7 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
     let others = stated[1..].iter().map(|(from, site)| (from, site.distance_km(first)));
     let of_networks = networks
         .iter()
+        .chain(&hints)
         .map(|(from, sites)| (from, sites.iter().map(|site| site.distance_km(first)).fold(f64::INFINITY, f64::min)));
     match others.chain(of_networks).find(|(_, distance_km)| *distance_km > SAME_SITE_KM) {
         Some((from, distance_km)) => {
@@ -265,6 +275,11 @@ mod tests {
             let error = error(text);
             assert!(error.contains(" km from that of ") && error.contains("--site"), "{error}");
         }
+        for text in ["TELESCOP= 'CTIO 1.0 meter telescope'\nOBSERVAT= 'KPNO'\n", "TELESCOP= 'Bok 2.3m'\nSITENAME= 'Siding Spring'\n"] {
+            assert!(error(text).contains(" km from that of TELESCOP"), "{text}");
+        }
+        assert_eq!(of("TELESCOP= 'Bok 2.3m'\nOBSERVAT= 'KPNO'\n").unwrap().unwrap().name, "Kitt Peak");
+        assert_eq!(of("TELESCOP= 'Bok 2.3m'\n").unwrap(), None);
         assert!(error("OBSERVAT= 'LCO'\n").contains("Las Campanas"));
         assert_eq!(of("TELESCOP= 'Magellan'\nOBSERVAT= 'LCO'\n").unwrap().unwrap().name, "Las Campanas");
         // The telescope in space, and the observatory on the Earth.

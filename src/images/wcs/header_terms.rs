@@ -203,12 +203,14 @@ fn reject_lookup_tables(header: &Header) -> Result<(), Error> {
 /// Largest difference between two matrices of one header, as a fraction of the larger one; over 1000 pixels it is a
 /// tenth of a pixel.
 const MATRIX_SLACK: f64 = 1e-4;
+/// Largest difference between CROTAi of both axes, degrees; over 1000 pixels it is a tenth of a pixel.
+const ROTATION_SLACK_DEG: f64 = 0.01;
 
 /// Returns the matrix: CDi_j if given, otherwise CDELTi with PCi_j, or with the old keyword CROTA of the declination
 /// axis.
 ///
 /// # Errors
-/// CDi_j and PCi_j give different matrices.
+/// CDi_j and PCi_j, or PCi_j and CROTAi, or the CROTAi of both axes give different matrices.
 fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f64; 2]; 2], Error> {
     let entry = |stem: &str, i: usize, j: usize| header.number(&format!("{stem}{}_{}", i + 1, j + 1));
     let entries = [(0, 0), (0, 1), (1, 0), (1, 1)];
@@ -216,24 +218,34 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f6
     let old_name = |i: usize, j: usize| header.number(&format!("PC{:03}{:03}", i + 1, j + 1));
     let turn = |i: usize, j: usize| entry("PC", i, j).or_else(|| old_name(i, j));
     let is_turned = entries.iter().any(|(i, j)| turn(*i, *j).is_some());
-    let rotation = header.number(&format!("CROTA{}", latitude_axis + 1)).filter(|_| !is_turned).unwrap_or(0.0);
+    let has_cd = entries.iter().any(|(i, j)| entry("CD", *i, *j).is_some());
+    let rotation = rotation_deg(header, latitude_axis, is_turned || has_cd)?;
     let (sine, cosine) = rotation.to_radians().sin_cos();
-    let mut matrix = [[0.0; 2]; 2];
+    let (mut turned, mut rotated) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
     for (i, j) in entries {
-        let unturned = if i == j { 1.0 } else { 0.0 };
         // Paper II, eq. 191: PC = [[cos ρ, -sin ρ s₂/s₁], [sin ρ s₁/s₂, cos ρ]] with the steps s (CDELT). The product
         // of CDELTi and PCi_j contains the step of axis j if i and j differ.
-        matrix[i][j] = if rotation == 0.0 {
-            steps[i] * turn(i, j).unwrap_or(unturned)
-        } else if i == j {
+        rotated[i][j] = if i == j {
             steps[i] * cosine
         } else {
             let sign = if i == latitude_axis { 1.0 } else { -1.0 };
             sign * steps[j] * sine
         };
+        turned[i][j] = steps[i] * turn(i, j).unwrap_or(if i == j { 1.0 } else { 0.0 });
     }
-    if entries.iter().all(|(i, j)| entry("CD", *i, *j).is_none()) {
-        return Ok(matrix);
+    let differs = |a: [[f64; 2]; 2], b: [[f64; 2]; 2]| {
+        let largest = a.iter().flatten().fold(0.0, |largest: f64, term| largest.max(term.abs()));
+        entries.iter().any(|(i, j)| (a[*i][*j] - b[*i][*j]).abs() > MATRIX_SLACK * largest)
+    };
+    if !has_cd {
+        if is_turned && rotation != 0.0 && differs(turned, rotated) {
+            return Err(Error::invalid(
+                format!("CROTA{}", latitude_axis + 1),
+                format!("{rotation}, but PCi_j with CDELTi is another matrix, {turned:?} deg"),
+                "one of the two; remove the other from the header",
+            ));
+        }
+        return Ok(if is_turned { turned } else { rotated });
     }
     let mut given = [[0.0; 2]; 2];
     for (i, j) in entries {
@@ -243,16 +255,29 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f6
     // without CDELT is left over from a template.
     let has_steps = (1..=2).any(|axis| header.contains(&format!("CDELT{axis}")));
     let is_unit = entries.iter().all(|(i, j)| turn(*i, *j).is_none_or(|term| term == if i == j { 1.0 } else { 0.0 }));
-    let largest = given.iter().flatten().fold(0.0, |largest: f64, term| largest.max(term.abs()));
-    let differs = |&(i, j): &(usize, usize)| (given[i][j] - matrix[i][j]).abs() > MATRIX_SLACK * largest;
-    if is_turned && (has_steps || !is_unit) && entries.iter().any(differs) {
+    if is_turned && (has_steps || !is_unit) && differs(given, turned) {
         return Err(Error::invalid(
             "matrix of CDi_j",
-            format!("{given:?}, and that of PCi_j with CDELTi is {matrix:?} deg"),
+            format!("{given:?}, and that of PCi_j with CDELTi is {turned:?} deg"),
             "one of the two; remove the other from the header",
         ));
     }
     Ok(given)
+}
+
+/// Returns CROTA of the declination axis, degrees; 0 without it. `is_given` is true if the header has a matrix.
+///
+/// # Errors
+/// CROTA of the other axis is another angle, unless the header has a matrix, which takes precedence.
+fn rotation_deg(header: &Header, latitude_axis: usize, is_given: bool) -> Result<f64, Error> {
+    let [own, other] =
+        [latitude_axis, 1 - latitude_axis].map(|axis| header.number(&format!("CROTA{}", axis + 1)).unwrap_or(0.0));
+    if !is_given && other != 0.0 && (own - other).abs() > ROTATION_SLACK_DEG {
+        let given = format!("{other}, but CROTA{} is {own}", latitude_axis + 1);
+        let allowed = "the same angle, or none: only that of the declination axis is defined";
+        return Err(Error::invalid(format!("CROTA{}", 2 - latitude_axis), given, allowed));
+    }
+    Ok(own)
 }
 
 fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, Error> {
