@@ -4,7 +4,7 @@ use hifitime::Epoch;
 
 use crate::images::{ARCSEC_PER_RAD, PossibleStreak, StreakCost, Telescope};
 use crate::passes::{CrossingProbability, Exposure, Pass, Sky};
-use crate::photometry::Brightness;
+use crate::photometry::{Band, Brightness};
 
 use super::flag_request::FlagRequest;
 use super::limits::SatelliteLimit;
@@ -49,7 +49,7 @@ pub(super) fn expected_of(
     let Some(telescope) = request.telescope else { return expected };
     let area_deg2 = request.field.area_deg2();
     let cost = StreakCost::new(telescope, area_deg2);
-    let bright = BrightStreaks::new(telescope, request.sky, band);
+    let bright = BrightStreaks::new(telescope, request.sky, band, request.photometry.band);
     let (mut lost, mut shares) = (0.0, 0.0);
     for (satellite, brightness) in satellites.iter().zip(&lights) {
         let width_arcsec =
@@ -107,7 +107,7 @@ impl FlagRequest<'_> {
         };
         let prior = || self.sky.prior_brightness(pass.element_index, &pass.mid.geometry, self.photometry);
         let brightness = peak_brightness(pass).cloned().or_else(prior);
-        let bright = BrightStreaks::new(telescope, self.sky, band);
+        let bright = BrightStreaks::new(telescope, self.sky, band, self.photometry.band);
         let of_seen = |probability: f64| if is_seen { probability } else { 0.0 };
         let limits = self.limits(band, exposure.duration_s).with_limit_mag(limit_mag);
         let range_km = pass.mid.range_km;
@@ -126,7 +126,8 @@ impl FlagRequest<'_> {
 }
 
 /// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure
-/// selects the value, which is compared with magnitudes in the band of the prediction.
+/// selects the value, which is compared with magnitudes in the band of the prediction. Without a band of the exposure,
+/// the latter band selects it.
 #[derive(Copy, Clone, Debug)]
 pub struct BrightStreaks<'a> {
     telescope: &'a Telescope,
@@ -135,9 +136,9 @@ pub struct BrightStreaks<'a> {
 }
 
 impl<'a> BrightStreaks<'a> {
-    /// Creates the comparison for exposures in a band.
-    pub fn new(telescope: &'a Telescope, sky: &'a Sky, band: Option<&str>) -> Self {
-        Self { telescope, sky, bright_mag: telescope.bright_mag_in(band) }
+    /// Creates the comparison for exposures in a band, or without a known one, with magnitudes in the band `predicted`.
+    pub fn new(telescope: &'a Telescope, sky: &'a Sky, band: Option<&str>, predicted: Band) -> Self {
+        Self { telescope, sky, bright_mag: telescope.bright_mag_in(band.or(Some(predicted.name()))) }
     }
 
     /// Returns the probability that the streak of a satellite is brighter per pixel than that of a satellite of

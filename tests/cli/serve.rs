@@ -708,6 +708,14 @@ fn changed_elements_are_used_without_a_restart() {
     };
     std::fs::write(&path, pair(90001) + &pair(90002)).unwrap();
     becomes(2);
+    // A file that is cut off after a whole record has less than half of the satellites.
+    std::fs::write(&path, pair(90001) + &pair(90002) + &pair(90003)).unwrap();
+    becomes(3);
+    std::fs::write(&path, pair(90001)).unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(5));
+    assert_eq!(satellites(), 3);
+    std::fs::write(&path, pair(90001) + &pair(90002)).unwrap();
+    becomes(2);
     std::fs::write(&path, "no element sets\n").unwrap();
     // Long enough for two checks, in most cases; a failure of the reload must not be missed for ever.
     std::thread::sleep(std::time::Duration::from_secs(5));

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Optional, Union
 
@@ -23,16 +23,21 @@ FIELD_RADIUS_DEG = 1.75
 OBSERVATIONS = ("fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime", "sunAlt")
 FLAGS = ("verdict", "n_streaks", "expected_lost_pixel_fraction", "streak_cost_s")
 
-Database = Union[str, "os.PathLike[str]"]
+#: Name of the lost fraction of pixels in the tables of `streakcast.dask`.
+OF_DASK = {"expected_lost_pixel_fraction": "lost_fraction"}
+
+Columns = Mapping[str, Any]
+Annotated = Union[str, "os.PathLike[str]", Sequence[Columns]]
 
 
-def survey_summary(annotated: Database, *, sun_edges_deg: Sequence[float] = SUN_EDGES_DEG) -> dict[str, npt.NDArray[Any]]:
+def survey_summary(annotated: Annotated, *, sun_edges_deg: Sequence[float] = SUN_EDGES_DEG) -> dict[str, npt.NDArray[Any]]:
     """Returns the effects of streaks on a survey, by year, band and altitude of the Sun.
 
     Parameters
     ----------
-    annotated : path
-        Database that `annotate` or ``streakcast annotate`` wrote.
+    annotated : path or sequence of tables
+        Database that `annotate` or ``streakcast annotate`` wrote; or the visits given to `streakcast.dask.annotate`, and
+        what `streakcast.dask.read` and, optionally, `streakcast.dask.read_streaks` return.
     sun_edges_deg : sequence of float
         Ascending borders of the bins in ``sunAlt``, the altitude of the Sun, degrees.
 
@@ -50,7 +55,8 @@ def survey_summary(annotated: Database, *, sun_edges_deg: Sequence[float] = SUN_
     Raises
     ------
     ValueError
-        The database has no annotation or lacks a column, or the borders do not ascend.
+        The database has no annotation, has one without a telescope, lacks a column, or repeats the number of a visit; or
+        the borders do not ascend.
     """
     edges = np.asarray(sun_edges_deg, dtype=float)
     if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0.0).all():
@@ -76,13 +82,14 @@ def survey_summary(annotated: Database, *, sun_edges_deg: Sequence[float] = SUN_
     return {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
 
 
-def survey_maps(annotated: Database, *, nside: int = 64, field_radius_deg: float = FIELD_RADIUS_DEG) -> dict[str, npt.NDArray[Any]]:
+def survey_maps(annotated: Annotated, *, nside: int = 64, field_radius_deg: float = FIELD_RADIUS_DEG) -> dict[str, npt.NDArray[Any]]:
     """Returns the effects of streaks on a survey as HEALPix maps in RING order, NaN outside the survey.
 
     Parameters
     ----------
-    annotated : path
-        Database that `annotate` or ``streakcast annotate`` wrote.
+    annotated : path or sequence of tables
+        Database that `annotate` or ``streakcast annotate`` wrote; or the visits given to `streakcast.dask.annotate`, and
+        what `streakcast.dask.read` and, optionally, `streakcast.dask.read_streaks` return.
     nside : int
         Resolution of the maps.
     field_radius_deg : float
@@ -142,30 +149,46 @@ def _effects(visits: dict[str, npt.NDArray[Any]]) -> dict[str, float]:
     }
 
 
-def _p_bright(base: sqlite3.Connection) -> Optional[dict[str, float]]:
-    """Returns the probability of each visit to have a bright streak, for visits with streaks; `None` if it is not known."""
-    of_streaks = [row[1] for row in base.execute("PRAGMA table_info(streaks)")]
-    if not {"exposure_id", "probability", "p_bright"} <= set(of_streaks):
-        return None
+def _p_bright(streaks: Sequence[tuple[Any, Any, Any]]) -> dict[str, float]:
+    """Returns the probability of each visit to have a bright streak, for visits with streaks, from visit, probability and
+    ``p_bright`` of each streak."""
     none_bright: dict[str, float] = {}
     # `p_bright` is that of a streak, if there is one; near misses are in the table too.
-    for visit, probability, p_bright in base.execute("SELECT exposure_id, probability, p_bright FROM streaks"):
+    for visit, probability, p_bright in streaks:
         bright = np.nan if probability is None or p_bright is None else probability * p_bright
         none_bright[str(visit)] = none_bright.get(str(visit), 1.0) * (1.0 - bright)
     return {visit: 1.0 - none for visit, none in none_bright.items()}
 
 
-def _read(annotated: Database) -> dict[str, npt.NDArray[Any]]:
+def _read(annotated: Annotated) -> dict[str, npt.NDArray[Any]]:
     """Returns the columns of all visits; ``judged`` is true if the effects of streaks on a visit are known."""
-    path = Path(annotated)
+    if isinstance(annotated, (str, os.PathLike)):
+        path = Path(annotated)
+        columns, p_bright = _of_database(path)
+        origin = f"{path}: "
+    else:
+        columns, p_bright = _of_tables(*annotated)
+        origin = ""
+    visits = columns.pop("observationId")
+    columns["p_bright"] = [None if p_bright is None else p_bright.get(str(one), 0.0) for one in visits]
+    texts = {name: np.array([str(one) for one in columns.pop(name)], dtype=object) for name in ("verdict", "band")}
+    numbers = {name: np.array([one if isinstance(one, (int, float)) else np.nan for one in column], dtype=float) for name, column in columns.items()}
+    known = ~np.isin(texts["verdict"], (*UNJUDGED, "None"))
+    if known.any() and np.isnan(numbers["streak_cost_s"][known]).all():
+        raise ValueError(f"{origin}the annotation has no streak_cost_s; allowed: an annotation with a telescope (for example --telescope rubin)")
+    finite = np.isfinite(numbers["streak_cost_s"]) & np.isfinite(numbers["n_streaks"]) & np.isfinite(numbers["visitExposureTime"])
+    return {**numbers, **texts, "judged": finite & known}
+
+
+def _of_database(path: Path) -> tuple[dict[str, Sequence[Any]], Optional[dict[str, float]]]:
+    """Returns the columns of all visits of a database, and the probabilities of `_p_bright`; `None` if these are unknown."""
     if not path.is_file():
         raise ValueError(f"{path} is not a file; allowed: a database that streakcast annotate wrote")
     try:
         with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as base:
-            of_flags = [row[1] for row in base.execute("PRAGMA table_info(streak_flags)")]
+            of_flags, has, of_streaks = ([row[1] for row in base.execute(f"PRAGMA table_info({name})")] for name in ("streak_flags", "observations", "streaks"))
             if not of_flags:
                 raise ValueError(f"{path} has no table streak_flags; allowed: a database that streakcast annotate wrote")
-            has = [row[1] for row in base.execute("PRAGMA table_info(observations)")]
             band = "band" if "band" in has else "filter"
             missing = [name for name in ("observationId", *OBSERVATIONS, band) if name not in has]
             missing += [name for name in ("exposure_id", *FLAGS) if name not in of_flags]
@@ -175,15 +198,31 @@ def _read(annotated: Database) -> dict[str, npt.NDArray[Any]]:
             for (number,) in base.execute(repeated):
                 raise ValueError(f"{path}: observationId {number} has several different visits; allowed: unique numbers")
             selected = ", ".join([*(f"o.{name}" for name in ("observationId", *OBSERVATIONS, band)), *(f"f.{name}" for name in FLAGS)])
-            p_bright = _p_bright(base)
-            rows = base.execute(f"SELECT {selected} FROM observations o LEFT JOIN streak_flags f ON o.observationId = f.exposure_id").fetchall()
+            has_streaks = {"exposure_id", "probability", "p_bright"} <= set(of_streaks)
+            streaks = base.execute("SELECT exposure_id, probability, p_bright FROM streaks").fetchall() if has_streaks else None
+            # A visit that is repeated in all columns counts once.
+            rows = base.execute(f"SELECT DISTINCT {selected} FROM observations o LEFT JOIN streak_flags f ON o.observationId = f.exposure_id").fetchall()
     except sqlite3.Error as error:
         raise ValueError(f"{path}: {error}") from error
     names = ("observationId", *OBSERVATIONS, "band", *FLAGS)
     columns = dict(zip(names, zip(*rows) if rows else ((),) * len(names)))
-    visits = columns.pop("observationId")
-    columns["p_bright"] = tuple(None if p_bright is None else p_bright.get(str(one), 0.0) for one in visits)
-    texts = {name: np.array([str(one) for one in columns.pop(name)], dtype=object) for name in ("verdict", "band")}
-    numbers = {name: np.array([one if isinstance(one, (int, float)) else np.nan for one in column], dtype=float) for name, column in columns.items()}
-    finite = np.isfinite(numbers["streak_cost_s"]) & np.isfinite(numbers["n_streaks"]) & np.isfinite(numbers["visitExposureTime"])
-    return {**numbers, **texts, "judged": finite & ~np.isin(texts["verdict"], UNJUDGED)}
+    return columns, None if streaks is None else _p_bright(streaks)
+
+
+def _of_tables(visits: Columns, flags: Columns, streaks: Optional[Columns] = None) -> tuple[dict[str, Sequence[Any]], Optional[dict[str, float]]]:
+    """Returns the same from the tables of `streakcast.dask`."""
+    band = "band" if "band" in visits else "filter"
+    of_flags = {name: OF_DASK.get(name, name) for name in FLAGS}
+    missing = [name for name in (*OBSERVATIONS, band) if name not in visits]
+    missing += [name for name in ("visit", *of_flags.values()) if name not in flags]
+    missing += [name for name in ("visit", "probability", "p_bright") if streaks is not None and name not in streaks]
+    if missing:
+        raise ValueError(f"missing column {', '.join(missing)}")
+    rows = np.asarray(flags["visit"], dtype=int)
+    columns: dict[str, Sequence[Any]] = {"observationId": rows.tolist()}
+    for name, of_visits in {**dict.fromkeys(OBSERVATIONS), "band": band}.items():
+        columns[name] = np.asarray(visits[of_visits or name])[rows].tolist()
+    for name, of_flag in of_flags.items():
+        columns[name] = np.ma.asarray(flags[of_flag]).tolist()
+    of_streaks = None if streaks is None else [np.ma.asarray(streaks[name]).tolist() for name in ("visit", "probability", "p_bright")]
+    return columns, None if of_streaks is None else _p_bright(list(zip(*of_streaks)))

@@ -57,6 +57,42 @@ def test_bins_have_the_means_and_sums_of_their_visits(annotated):
     np.testing.assert_allclose(rows["coadd_loss_mag"], -1.25 * np.log10([1 - 0.06, 1.0, 0.99, np.nan]))
 
 
+def test_tables_of_dask_give_the_same(annotated):
+    names = ("observationStartMJD", "fieldRA", "fieldDec", "visitExposureTime", "sunAlt", "band")
+    visits = {name: np.array([visit[column] for visit in VISITS]) for column, name in enumerate(names)}
+    # The nights of Dask are in the order of their times.
+    order = [4, 0, 1, 2, 3, 7, 5, 6]
+    flags = {"visit": np.array(order), "verdict": np.array([VISITS[one][6] for one in order])}
+    for column, name in enumerate(("n_streaks", "lost_fraction", "streak_cost_s"), 7):
+        values = [VISITS[one][column] for one in order]
+        flags[name] = np.ma.MaskedArray([value or 0.0 for value in values], mask=[value is None for value in values])
+    streaks = {name: np.array(column) for name, column in zip(("visit", "probability", "p_bright"), zip(*STREAKS))}
+    for found, expected in [
+        (survey_summary((visits, flags, streaks)), survey_summary(annotated)),
+        (survey_maps((visits, flags, streaks), nside=8), survey_maps(annotated, nside=8)),
+    ]:
+        for name, column in expected.items():
+            np.testing.assert_array_equal(found[name], column, err_msg=name)
+    assert np.isnan(survey_summary((visits, flags))["bright_fraction"]).all()
+    with pytest.raises(ValueError, match="missing column sunAlt"):
+        survey_summary(({name: visits[name] for name in names if name != "sunAlt"}, flags))
+
+
+def test_repeated_rows_count_once(annotated):
+    before = survey_summary(annotated)
+    with sqlite3.connect(annotated) as base:
+        base.execute("INSERT INTO observations SELECT * FROM observations WHERE observationId < 2")
+    after = survey_summary(annotated)
+    assert (before["visits"] == after["visits"]).all()
+
+
+def test_annotations_without_a_telescope_are_rejected(annotated):
+    with sqlite3.connect(annotated) as base:
+        base.execute("UPDATE streak_flags SET streak_cost_s = NULL")
+    with pytest.raises(ValueError, match="has no streak_cost_s; allowed: an annotation with a telescope"):
+        survey_summary(annotated)
+
+
 def test_maps_count_the_visits_whose_field_has_the_pixel(annotated):
     maps = survey_maps(annotated, nside=32)
     inside = healpy.query_disc(32, healpy.ang2vec(10.0, -30.0, lonlat=True), np.radians(1.75))

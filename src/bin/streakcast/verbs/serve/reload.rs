@@ -43,11 +43,13 @@ impl Reload {
         is_due
     }
 
-    /// Loads the state again after each change, in a thread of its own. If that fails, the previous state stays in use.
+    /// Loads the state again after each change, in a thread of its own. If that fails, or if the new state has less than
+    /// half of the `satellites`, the previous state stays in use.
     pub fn start<T: Send + Sync + 'static>(
         mut self,
         current: Arc<RwLock<Arc<T>>>,
         load: impl Fn(&Notices) -> anyhow::Result<T> + Send + 'static,
+        satellites: impl Fn(&T) -> usize + Send + 'static,
         notices: Notices,
     ) {
         if self.files.is_empty() {
@@ -59,7 +61,15 @@ impl Reload {
                 if !self.is_due() {
                     continue;
                 }
-                match load(&notices) {
+                let before = satellites(&current.read().unwrap_or_else(PoisonError::into_inner));
+                // A file that was cut off may be valid.
+                let checked = load(&notices).and_then(|state| match satellites(&state) {
+                    count if 2 * count < before => Err(anyhow::anyhow!(
+                        "{count} satellites, less than half of the {before} before; if that is right, start serve again"
+                    )),
+                    _ => Ok(state),
+                });
+                match checked {
                     Ok(state) => {
                         *current.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(state);
                         notices.info("element files have changed and were loaded again");

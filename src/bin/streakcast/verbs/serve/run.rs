@@ -64,7 +64,8 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     // This line can be read by programs that start the server. A closed pipe is ignored.
     let _ = writeln!(out, "http://{address}/").and_then(|()| out.flush());
     drop(out);
-    reload.start(current, load, notices);
+    let satellites = |state: &ServerState| state.skies.first().sky.elements().len();
+    reload.start(current, load, satellites, notices);
     server::serve(listener, router(app), workers)?;
     notices.info("stopped");
     Ok(Outcome::Done)
