@@ -305,6 +305,45 @@ fn flags_agree_with_the_passes_of_their_exposures() {
     }
 }
 
+/// Without a band of the exposure, `bright_mag` is that of the band of the magnitudes, in all tables.
+#[test]
+fn costs_of_flags_and_passes_have_one_bright_mag() {
+    let folder = tempfile::tempdir().unwrap();
+    let without_band: String =
+        evening().lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned() + "\n").collect();
+    fs::write(path(&folder, "s.csv"), &without_band).unwrap();
+    let cost_of = |bright_mag: &str, band: &str| {
+        let telescope = format!(
+            "name = \"t\"\nouter_radius_m = 4.2\nseeing_arcsec = 0.7\npixel_scale_arcsec = 0.2\n\
+             field = {{ circle_deg = 3.5 }}\nbright_share = 0.08\nsource = \"test\"\nbright_mag = {bright_mag}\n"
+        );
+        fs::write(path(&folder, "t.toml"), telescope).unwrap();
+        let telescope = path(&folder, "t.toml");
+        let options = ["--telescope", &telescope, "--band", band];
+        let of_flags = json(&[&["flag", "--schedule", &path(&folder, "s.csv")], FLAG, SKY, &options]);
+        let rows = records(&without_band);
+        let streaked = of_flags["flags"].as_array().unwrap().iter().zip(&rows[1..]);
+        let (flag, row) = streaked
+            .max_by(|a, b| a.0["streak_cost_s"].as_f64().unwrap().total_cmp(&b.0["streak_cost_s"].as_f64().unwrap()))
+            .unwrap();
+        let one =
+            ["passes", "--start", &row[1], "--exposure", "30s", "--ra", &row[3], "--dec", &row[4], "--fov", "3.5deg"];
+        let answer = json(&[&one, &["--format", "json"], SKY, &options]);
+        let passes = answer["passes"].as_array().unwrap();
+        let cost_s: f64 = passes.iter().map(|pass| pass["streak_cost_s"].as_f64().unwrap()).sum();
+        let of_flag = flag["streak_cost_s"].as_f64().unwrap();
+        assert!((of_flag - cost_s).abs() < 0.002 + 0.01 * cost_s, "{bright_mag} {band}: {of_flag} {cost_s}");
+        of_flag
+    };
+    let [faint, bright, other] = [
+        ("{ V = 9.0, r = 1.0, default = 1.0 }", "V"),
+        ("{ V = 1.0, default = 9.0 }", "V"),
+        ("{ V = 9.0, default = 1.0 }", "r"),
+    ]
+    .map(|(bright_mag, band)| cost_of(bright_mag, band));
+    assert!(faint > 3.0 * bright && faint > 3.0 * other, "{faint} {bright} {other}");
+}
+
 #[test]
 fn policies_and_exit_codes() {
     let folder = tempfile::tempdir().unwrap();

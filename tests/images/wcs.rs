@@ -283,7 +283,10 @@ fn verif_rotations_that_contradict_each_other_are_errors() {
     let with = |cards: &str| {
         let (head, tail): (Vec<&str>, Vec<&str>) = PLAIN.lines().partition(|line| line.starts_with("CD"));
         assert_eq!(head.len(), 4);
-        Wcs::from_header(&Header::from_text(&format!("{}\nCDELT1  = -0.0001\nCDELT2  = 0.0001\n{cards}\n", tail.join("\n"))))
+        Wcs::from_header(&Header::from_text(&format!(
+            "{}\nCDELT1  = -0.0001\nCDELT2  = 0.0001\n{cards}\n",
+            tail.join("\n")
+        )))
     };
     for (cards, words) in [
         ("PC1_1   = 1.0\nPC2_2   = 1.0\nCROTA2  = 30.0", "CROTA2 is 30, but PCi_j"),

@@ -248,7 +248,14 @@ proptest! {
 fn texts_around_element_sets_are_no_damaged_records() {
     let head = "SB KEPS\nELEMENTS FOR AMATEURS\n1 AAAAAU 00  0  0 BBBBB.BBBBBBBB  .CCCCCCCC  00000-0  00000-0 0  DDDZ\n\
                 2 AAAAA EEE.EEEE FFF.FFFF GGGGGGG HHH.HHHH III.IIII JJ.JJJJJJJJKKKKKZ\nKEY: A-CATALOGNUM\n";
-    for end in ["/EX\n", "NNNN\n", "To unsubscribe, mail x@y.org\n1 per week is posted\n2 much mail?\n", "-----\n", "73, the editor\nwww.example.org\n", ""] {
+    for end in [
+        "/EX\n",
+        "NNNN\n",
+        "To unsubscribe, mail x@y.org\n1 per week is posted\n2 much mail?\n",
+        "-----\n",
+        "73, the editor\nwww.example.org\n",
+        "",
+    ] {
         let text = format!("{head}GOOD\n{LINE1}\n{LINE2}\n{end}");
         let catalogue = read(text.as_bytes()).unwrap();
         assert_eq!(catalogue.element_sets[0].name.as_ref(), "GOOD");

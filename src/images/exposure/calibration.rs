@@ -230,9 +230,21 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     };
     let words = Comment::new(&comment);
     let joined = comment.to_ascii_lowercase().replace([' ', '(', ')', '[', ']'], "");
-    let is_inverse = ["adu/e", "dn/e", "adupere", "dnpere", "count/e", "counts/e", "countpere", "countspere", "adu/photo", "count/photo", "counts/photo"]
-        .iter()
-        .any(|words| joined.contains(words));
+    let is_inverse = [
+        "adu/e",
+        "dn/e",
+        "adupere",
+        "dnpere",
+        "count/e",
+        "counts/e",
+        "countpere",
+        "countspere",
+        "adu/photo",
+        "count/photo",
+        "counts/photo",
+    ]
+    .iter()
+    .any(|words| joined.contains(words));
     let has_unit = is_inverse
         || ["e-/", "e/adu", "e/dn", "e-adu", "e-per", "eperadu", "toe-", "electron", "photon"]
             .iter()
@@ -259,7 +271,9 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         return Err(format!("{keyword} is {value} ({}): perhaps not of the pixels of this file", words.text()));
     }
     if let Some((multiplication, factor, _)) = keywords.number(MULTIPLICATIONS, |factor| factor > 1.0) {
-        return Err(format!("{keyword} is {value}, and {multiplication} is {factor}: with or without the multiplication"));
+        return Err(format!(
+            "{keyword} is {value}, and {multiplication} is {factor}: with or without the multiplication"
+        ));
     }
     if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
         let stated = if comment.is_empty() { String::new() } else { format!(" ({})", words.text()) };

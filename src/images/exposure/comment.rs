@@ -216,7 +216,8 @@ impl Comment {
         let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
         let phrase = PHRASES.iter().find(|(role, list)| {
-            (*role == Role::Middle || !of_others || is_sum(&joined)) && list.iter().any(|phrase| joined.contains(phrase))
+            (*role == Role::Middle || !of_others || is_sum(&joined))
+                && list.iter().any(|phrase| joined.contains(phrase))
         });
         let mut stated: Vec<Role> = phrase.map(|(role, _)| *role).into_iter().collect();
         if has_half(&joined) {

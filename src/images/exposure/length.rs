@@ -32,8 +32,8 @@ const ELAPSED: &[&str] = &[
 const TOTALS: &[&str] = &["TOT", "CUM", "SUM"];
 /// Keywords of the true or measured exposure time, which may be shorter than the requested one, and words of comments.
 const TRUE_TIMES: &[&str] = &[
-    "ACTEXP", "ACTTIME", "ACTUALEX", "REALEXP", "REALTIME", "TRUEEXP", "EXPOSED", "EXPMEAS", "MEASEXP", "REXPTIME", "DARKTIME",
-    "ELAPSED",
+    "ACTEXP", "ACTTIME", "ACTUALEX", "REALEXP", "REALTIME", "TRUEEXP", "EXPOSED", "EXPMEAS", "MEASEXP", "REXPTIME",
+    "DARKTIME", "ELAPSED",
 ];
 const TRUE: &str = "actual real measured true";
 /// Words of exposures that were ended early.
@@ -380,8 +380,7 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
         let (name, comment) = (card.keyword(), Comment::new(&card.comment()));
         let bare = bare(&name);
         let is_number = matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_))) && !is_known(&name);
-        let is_longer =
-            || is_total(&comment) || is_total_name(&name) || ELAPSED.iter().any(|part| bare.contains(part));
+        let is_longer = || is_total(&comment) || is_total_name(&name) || ELAPSED.iter().any(|part| bare.contains(part));
         DOUBTFUL_TIMES.iter().any(|known| is_spelling(known, &name))
             || (is_number && (is_true(&name, &comment) || (!is_of_calibration(&name) && is_longer())))
     };
@@ -391,8 +390,7 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
         let is_shorter = time.seconds > 0.0 && time.seconds < seconds && !agree(seconds, time.seconds);
         // A dark time contains overheads.
         let is_longer = (seconds + STATED_S..=LONGEST_EXPOSURE_S).contains(&time.seconds);
-        (is_longer && !is_of_calibration(&time.keyword))
-            || (is_shorter && is_true(&time.keyword, &time.comment))
+        (is_longer && !is_of_calibration(&time.keyword)) || (is_shorter && is_true(&time.keyword, &time.comment))
     };
     let mut others: Vec<Stated> = times.filter(differs).collect();
     others.dedup_by(|next, time| next.keyword == time.keyword);

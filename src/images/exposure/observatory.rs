@@ -275,7 +275,10 @@ mod tests {
             let error = error(text);
             assert!(error.contains(" km from that of ") && error.contains("--site"), "{error}");
         }
-        for text in ["TELESCOP= 'CTIO 1.0 meter telescope'\nOBSERVAT= 'KPNO'\n", "TELESCOP= 'Bok 2.3m'\nSITENAME= 'Siding Spring'\n"] {
+        for text in [
+            "TELESCOP= 'CTIO 1.0 meter telescope'\nOBSERVAT= 'KPNO'\n",
+            "TELESCOP= 'Bok 2.3m'\nSITENAME= 'Siding Spring'\n",
+        ] {
             assert!(error(text).contains(" km from that of TELESCOP"), "{text}");
         }
         assert_eq!(of("TELESCOP= 'Bok 2.3m'\nOBSERVAT= 'KPNO'\n").unwrap().unwrap().name, "Kitt Peak");
