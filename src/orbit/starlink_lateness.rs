@@ -23,6 +23,9 @@ use super::station_keeping::{MeanMotion, StarlinkClass};
 const CORE_WEIGHT: f64 = 0.7;
 /// Error along the track at epoch, s: 1 km at 7.6 km/s. It is added to widths that vanish at epoch.
 const FLOOR_S: f64 = 0.13;
+/// Time in which the noise between two element sets of a satellite in a shell rises, days: sets of one day share
+/// observations.
+const RISE_DAYS: f64 = 1.5;
 /// The lateness does not depend on a smaller drag than this, s/day².
 const LEAST_DRAG_S_DAY2: f64 = 0.01;
 /// Width of the lateness of satellites that manoeuvred, s per day of age.
@@ -128,7 +131,7 @@ fn of_one_set(class: StarlinkClass, t: f64, d: f64) -> Shape {
         StarlinkClass::StrongDrag   => Shape::steady(core_s(0.17, 0.22, 2.35),               2.9,  (0.070, 0.0),   t),
         StarlinkClass::Parked       => Shape::changing(norm3(0.07, 0.755 * d * t, FLOOR_S),  1.56, 0.128 + 0.057 * t, 55.0 * t.powi(2)),
         StarlinkClass::Descending   => Shape::steady(0.37_f64.hypot(0.097 * d * t.powf(2.25)), 5.8, (0.0, 0.0),    t),
-        StarlinkClass::Raising      => Shape::changing(FLOOR_S.hypot(9.7 * t.powf(2.79)),     1.0,  0.30, 88.0 * t.powf(2.06)),
+        StarlinkClass::Raising      => Shape::changing(FLOOR_S.hypot(12.1 * t.powf(2.71)),     1.0,  0.30, 88.0 * t.powf(2.06)),
         StarlinkClass::MovingV15    => Shape::changing(0.83_f64.hypot(0.285 * d * t.powi(2)), 1.0, 0.70, 19.2 * t.powf(2.4)),
     }
 }
@@ -163,24 +166,25 @@ fn of_four_sets(class: StarlinkClass, t: f64) -> Shape {
     }
 }
 
+/// Noise of the element sets, and changes of the mean motion.
 #[rustfmt::skip]
 fn of_shell(class: StarlinkClass, t: f64) -> Shape {
-    // s = √(s₀² + b² t + (k t)²)
-    let core_s = |s0: f64, b: f64, k: f64| norm3(s0, b * t.sqrt(), k * t);
+    // s = √(s₀² + a² (1 - exp(-t/τ)) + b² t)
+    let risen = (1.0 - (-t / RISE_DAYS).exp()).sqrt();
+    let core_s = |s0: f64, a: f64, b: f64| norm3(s0, a * risen, b * t.sqrt());
     match class {
-        StarlinkClass::V15          => Shape::steady(core_s(0.217, 0.173, 0.034), 3.2,  (0.005, 0.0096), t),
-        StarlinkClass::StrongDrag   => Shape::steady(core_s(0.58,  0.165, 0.0),   2.05, (0.009, 0.001),  t),
-        StarlinkClass::DirectToCell => Shape::steady(core_s(0.465, 0.0,   0.05),  2.2,  (0.003, 0.0),    t),
-        _                           => Shape::steady(core_s(0.377, 0.144, 0.0),   2.9,  (0.010, 0.0004), t),
+        StarlinkClass::V15          => Shape::steady(core_s(0.17,    0.216, 0.169), 3.2,  (0.005, 0.0096), t),
+        StarlinkClass::StrongDrag   => Shape::steady(core_s(FLOOR_S, 0.70,  0.079), 2.05, (0.009, 0.001),  t),
+        StarlinkClass::DirectToCell => Shape::steady(core_s(0.40,    0.189, 0.134), 2.2,  (0.003, 0.0),    t),
+        _                           => Shape::steady(core_s(FLOOR_S, 0.441, 0.110), 2.9,  (0.010, 0.0004), t),
     }
 }
 
 /// Satellites that arrived at their shell a short time ago.
 fn of_arrived(class: StarlinkClass, t: f64) -> Shape {
     match class {
-        StarlinkClass::V15 | StarlinkClass::DirectToCell => {
-            Shape::steady(FLOOR_S.hypot(0.49 * t.sqrt()), 10.0, (0.14, 0.0), t)
-        }
+        StarlinkClass::V15 => Shape::steady(FLOOR_S.hypot(0.241 * t.powf(0.405)), 10.0, (0.14, 0.0), t),
+        StarlinkClass::DirectToCell => Shape::steady(FLOOR_S.hypot(0.49 * t.sqrt()), 10.0, (0.14, 0.0), t),
         _ => Shape::steady(0.51_f64.hypot(0.206 * t.sqrt()), 4.9, (0.038, 0.0), t),
     }
 }
