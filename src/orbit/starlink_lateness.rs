@@ -8,10 +8,9 @@
 //! satellites that manoeuvred since the epoch (w = 90 t, with the age t in days) or, in classes whose satellites change
 //! their orbits, an ordinary part of the distribution. It is searched for in the latter case only.
 //!
-//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026. Those of shells, raising
-//! satellites, rates and disagreeing sets were fitted without element sets of 15, 17, ..., 29 June; for odd numbers of these
-//! days, one sigma contains 68 to 79 % (shells, 1 to 7 days), 57 to 64 % (raising satellites that have sets of 14 days
-//! before, as those of the fit), and 63 to 74 % (rates).
+//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026: those of shells and of
+//! raising satellites by `tests/reference/calibrate_starlink_lateness.py` (start days before and from 15 June on have the
+//! same weight), those of rates and disagreeing sets without element sets of 15, 17, ..., 29 June.
 //! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md). June was quiet.
 //! Widths with one set are therefore up to 3 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most probable
 //! ones. In the histories of 72 satellites until August, one sigma of `Station` contains 61-67 %.
@@ -105,7 +104,7 @@ pub(super) fn lateness(
         MeanMotion::Enclosed => of_enclosing_sets(class, age_days, baseline_days),
         MeanMotion::Shell => of_shell(class, age),
         MeanMotion::Arrived => of_arrived(class, age),
-        MeanMotion::OffShell => off_shells(class, age, drag_s_day2),
+        MeanMotion::OffShell => off_shells(class, age),
         MeanMotion::Changed => of_changed_orbit(class, age, drag_s_day2),
         MeanMotion::Coasting => of_coasting(class, age, drag_s_day2),
         MeanMotion::Rate => Shape::changing(0.67_f64.hypot(3.8 * age.powf(2.45)), 1.0, 0.24, 66.0 * age.powf(1.17)),
@@ -190,9 +189,12 @@ fn of_arrived(class: StarlinkClass, t: f64) -> Shape {
 }
 
 /// Satellites on their way to a shell, or away from one.
-fn off_shells(class: StarlinkClass, t: f64, d: f64) -> Shape {
+fn off_shells(class: StarlinkClass, t: f64) -> Shape {
     match class {
-        StarlinkClass::DirectToCell => of_one_set(StarlinkClass::Raising, t, d),
+        StarlinkClass::V15 => Shape::changing(FLOOR_S.hypot(0.28 * t.powf(0.6)), 3.0, 0.45, 4.3 * t.powf(1.7)),
+        StarlinkClass::DirectToCell => {
+            Shape::changing(FLOOR_S.hypot(12.0 * t.powf(1.85)), 1.0, 0.30, 25.0 * t.powf(1.85))
+        }
         StarlinkClass::StrongDrag => Shape::changing(FLOOR_S.hypot(1.6 * t.powf(2.53)), 3.5, 0.28, 83.0 * t.powf(1.17)),
         _ => Shape::changing(FLOOR_S.hypot(0.24 * t.powf(0.82)), 4.7, 0.48, 8.4 * t.powf(1.91)),
     }
