@@ -8,10 +8,9 @@
 //! satellites that manoeuvred since the epoch (w = 90 t, with the age t in days) or, in classes whose satellites change
 //! their orbits, an ordinary part of the distribution. It is searched for in the latter case only.
 //!
-//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026. Those of shells, raising
-//! satellites, rates and disagreeing sets were fitted without element sets of 15, 17, ..., 29 June; for odd numbers of these
-//! days, one sigma contains 68 to 79 % (shells, 1 to 7 days), 57 to 64 % (raising satellites that have sets of 14 days
-//! before, as those of the fit), and 63 to 74 % (rates).
+//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026: those of shells and of
+//! raising satellites by `tests/reference/calibrate_starlink_lateness.py` (start days before and from 15 June on have the
+//! same weight), those of rates and disagreeing sets without element sets of 15, 17, ..., 29 June.
 //! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md). June was quiet.
 //! Widths with one set are therefore up to 3 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most probable
 //! ones. In the histories of 72 satellites until August, one sigma of `Station` contains 61-67 %.
@@ -23,6 +22,9 @@ use super::station_keeping::{MeanMotion, StarlinkClass};
 const CORE_WEIGHT: f64 = 0.7;
 /// Error along the track at epoch, s: 1 km at 7.6 km/s. It is added to widths that vanish at epoch.
 const FLOOR_S: f64 = 0.13;
+/// Time in which the noise between two element sets of a satellite in a shell rises, days: sets of one day share
+/// observations.
+const RISE_DAYS: f64 = 1.5;
 /// The lateness does not depend on a smaller drag than this, s/day².
 const LEAST_DRAG_S_DAY2: f64 = 0.01;
 /// Width of the lateness of satellites that manoeuvred, s per day of age.
@@ -102,7 +104,7 @@ pub(super) fn lateness(
         MeanMotion::Enclosed => of_enclosing_sets(class, age_days, baseline_days),
         MeanMotion::Shell => of_shell(class, age),
         MeanMotion::Arrived => of_arrived(class, age),
-        MeanMotion::OffShell => off_shells(class, age, drag_s_day2),
+        MeanMotion::OffShell => off_shells(class, age),
         MeanMotion::Changed => of_changed_orbit(class, age, drag_s_day2),
         MeanMotion::Coasting => of_coasting(class, age, drag_s_day2),
         MeanMotion::Rate => Shape::changing(0.67_f64.hypot(3.8 * age.powf(2.45)), 1.0, 0.24, 66.0 * age.powf(1.17)),
@@ -128,7 +130,7 @@ fn of_one_set(class: StarlinkClass, t: f64, d: f64) -> Shape {
         StarlinkClass::StrongDrag   => Shape::steady(core_s(0.17, 0.22, 2.35),               2.9,  (0.070, 0.0),   t),
         StarlinkClass::Parked       => Shape::changing(norm3(0.07, 0.755 * d * t, FLOOR_S),  1.56, 0.128 + 0.057 * t, 55.0 * t.powi(2)),
         StarlinkClass::Descending   => Shape::steady(0.37_f64.hypot(0.097 * d * t.powf(2.25)), 5.8, (0.0, 0.0),    t),
-        StarlinkClass::Raising      => Shape::changing(FLOOR_S.hypot(9.7 * t.powf(2.79)),     1.0,  0.30, 88.0 * t.powf(2.06)),
+        StarlinkClass::Raising      => Shape::changing(FLOOR_S.hypot(12.1 * t.powf(2.71)),     1.0,  0.30, 88.0 * t.powf(2.06)),
         StarlinkClass::MovingV15    => Shape::changing(0.83_f64.hypot(0.285 * d * t.powi(2)), 1.0, 0.70, 19.2 * t.powf(2.4)),
     }
 }
@@ -163,32 +165,36 @@ fn of_four_sets(class: StarlinkClass, t: f64) -> Shape {
     }
 }
 
+/// Noise of the element sets, and changes of the mean motion.
 #[rustfmt::skip]
 fn of_shell(class: StarlinkClass, t: f64) -> Shape {
-    // s = √(s₀² + b² t + (k t)²)
-    let core_s = |s0: f64, b: f64, k: f64| norm3(s0, b * t.sqrt(), k * t);
+    // s = √(s₀² + a² (1 - exp(-t/τ)) + b² t)
+    let risen = (1.0 - (-t / RISE_DAYS).exp()).sqrt();
+    let core_s = |s0: f64, a: f64, b: f64| norm3(s0, a * risen, b * t.sqrt());
     match class {
-        StarlinkClass::V15          => Shape::steady(core_s(0.217, 0.173, 0.034), 3.2,  (0.005, 0.0096), t),
-        StarlinkClass::StrongDrag   => Shape::steady(core_s(0.58,  0.165, 0.0),   2.05, (0.009, 0.001),  t),
-        StarlinkClass::DirectToCell => Shape::steady(core_s(0.465, 0.0,   0.05),  2.2,  (0.003, 0.0),    t),
-        _                           => Shape::steady(core_s(0.377, 0.144, 0.0),   2.9,  (0.010, 0.0004), t),
+        StarlinkClass::V15          => Shape::steady(core_s(0.17,    0.216, 0.169), 3.2,  (0.005, 0.0096), t),
+        StarlinkClass::StrongDrag   => Shape::steady(core_s(FLOOR_S, 0.70,  0.079), 2.05, (0.009, 0.001),  t),
+        StarlinkClass::DirectToCell => Shape::steady(core_s(0.40,    0.189, 0.134), 2.2,  (0.003, 0.0),    t),
+        _                           => Shape::steady(core_s(FLOOR_S, 0.441, 0.110), 2.9,  (0.010, 0.0004), t),
     }
 }
 
 /// Satellites that arrived at their shell a short time ago.
 fn of_arrived(class: StarlinkClass, t: f64) -> Shape {
     match class {
-        StarlinkClass::V15 | StarlinkClass::DirectToCell => {
-            Shape::steady(FLOOR_S.hypot(0.49 * t.sqrt()), 10.0, (0.14, 0.0), t)
-        }
+        StarlinkClass::V15 => Shape::steady(FLOOR_S.hypot(0.241 * t.powf(0.405)), 10.0, (0.14, 0.0), t),
+        StarlinkClass::DirectToCell => Shape::steady(FLOOR_S.hypot(0.49 * t.sqrt()), 10.0, (0.14, 0.0), t),
         _ => Shape::steady(0.51_f64.hypot(0.206 * t.sqrt()), 4.9, (0.038, 0.0), t),
     }
 }
 
 /// Satellites on their way to a shell, or away from one.
-fn off_shells(class: StarlinkClass, t: f64, d: f64) -> Shape {
+fn off_shells(class: StarlinkClass, t: f64) -> Shape {
     match class {
-        StarlinkClass::DirectToCell => of_one_set(StarlinkClass::Raising, t, d),
+        StarlinkClass::V15 => Shape::changing(FLOOR_S.hypot(0.28 * t.powf(0.6)), 3.0, 0.45, 4.3 * t.powf(1.7)),
+        StarlinkClass::DirectToCell => {
+            Shape::changing(FLOOR_S.hypot(12.0 * t.powf(1.85)), 1.0, 0.30, 25.0 * t.powf(1.85))
+        }
         StarlinkClass::StrongDrag => Shape::changing(FLOOR_S.hypot(1.6 * t.powf(2.53)), 3.5, 0.28, 83.0 * t.powf(1.17)),
         _ => Shape::changing(FLOOR_S.hypot(0.24 * t.powf(0.82)), 4.7, 0.48, 8.4 * t.powf(1.91)),
     }

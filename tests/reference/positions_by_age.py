@@ -27,6 +27,7 @@ import os
 import re
 import subprocess
 from collections import defaultdict
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -161,12 +162,13 @@ def main():
     given = parser.parse_args()
     catalogues = {day: read(day) for day in range(1, 31)}
     cells = defaultdict(list)
-    for start in given.starts:
-        for age in AGES_DAY:
-            if start + age <= 30:
-                for its, selection, late_s, sigma_s in lateness(start, age, catalogues):
-                    cells[its, age, selection].append((late_s, sigma_s))
-        print("element sets of", start, "June", flush=True)
+    pairs = [(start, age) for start in given.starts for age in AGES_DAY if start + age <= 30]
+    # The work is done by other processes.
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for (start, age), found in zip(pairs, pool.map(lambda pair: list(lateness(*pair, catalogues)), pairs)):
+            for its, selection, late_s, sigma_s in found:
+                cells[its, age, selection].append((late_s, sigma_s))
+            print("element sets of", start, "June,", age, "d later", flush=True)
     rows = []
     for its in CLASSES:
         for age in AGES_DAY:
