@@ -314,13 +314,13 @@ fn costs_of_flags_and_passes_have_one_bright_mag() {
     fs::write(path(&folder, "s.csv"), &without_band).unwrap();
     let cost_of = |bright_mag: &str, band: &str| {
         let telescope = format!(
-            "name = \"t\"\nouter_radius_m = 4.2\nseeing_arcsec = 0.7\npixel_scale_arcsec = 0.2\n\
+            "name = \"t\"\ntitle = \"T\"\nouter_radius_m = 4.2\ninner_radius_m = 2.5\nseeing_arcsec = 0.7\npixel_scale_arcsec = 0.2\n\
              field = {{ circle_deg = 3.5 }}\nbright_share = 0.08\nsource = \"test\"\nbright_mag = {bright_mag}\n"
         );
         fs::write(path(&folder, "t.toml"), telescope).unwrap();
         let telescope = path(&folder, "t.toml");
         let options = ["--telescope", &telescope, "--band", band];
-        let of_flags = json(&[&["flag", "--schedule", &path(&folder, "s.csv")], FLAG, SKY, &options]);
+        let of_flags = json(&[&["flag", "--schedule", &path(&folder, "s.csv"), "--fov", "3.5deg"], SKY, &options]);
         let rows = records(&without_band);
         let streaked = of_flags["flags"].as_array().unwrap().iter().zip(&rows[1..]);
         let (flag, row) = streaked
@@ -328,7 +328,7 @@ fn costs_of_flags_and_passes_have_one_bright_mag() {
             .unwrap();
         let one =
             ["passes", "--start", &row[1], "--exposure", "30s", "--ra", &row[3], "--dec", &row[4], "--fov", "3.5deg"];
-        let answer = json(&[&one, &["--format", "json"], SKY, &options]);
+        let answer = json(&[&one, SKY, &options]);
         let passes = answer["passes"].as_array().unwrap();
         let cost_s: f64 = passes.iter().map(|pass| pass["streak_cost_s"].as_f64().unwrap()).sum();
         let of_flag = flag["streak_cost_s"].as_f64().unwrap();
