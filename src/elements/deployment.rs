@@ -153,7 +153,7 @@ fn checked_periods(entries: Vec<PeriodEntry>, own: &[Constellation]) -> Result<V
         let period = period(entry, own)?;
         if let Some(before) = all.last().filter(|before| before.from_mjd >= period.from_mjd) {
             let message = format!(
-                "period from {} is after that from {}; allowed: periods in time order, each from another date",
+                "period from {} is listed after that from {}; allowed: periods in time order, each from another date",
                 period.from, before.from
             );
             return Err(in_constellations(message));
