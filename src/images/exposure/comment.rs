@@ -223,8 +223,8 @@ impl Comment {
         if has_half(&joined) {
             stated = vec![Role::Middle];
         }
-        if stated == [Role::Middle] {
-            // "start + exptime/2"
+        // "start + exptime/2", "DATE-BEG + EXPTIME"
+        if stated == [Role::Middle] || (stated == [Role::End] && is_sum(&joined)) {
             return (stated, false);
         }
         let mut is_unclear = self.has(OTHERS);
