@@ -53,9 +53,9 @@ const MASKED_SHARE: f64 = 0.5;
 const WIDTH_TOLERANCE: f64 = 0.2;
 /// Number of sigmas by which another width or form of the profile must fit better than the assumed one.
 const SHAPE_SIGMAS: f64 = 3.0;
-/// Accuracy of the light of a drawn streak, relative: that of the profile and of the pixels at its ends. The same is assumed
-/// for drawn stars.
-const DRAWN_ACCURACY: f64 = 0.002;
+/// Accuracy of the fitted light of a bright streak, relative: narrow streaks that are drawn with exactly the assumed point
+/// spread function are off by up to this.
+const FIT_ACCURACY: f64 = 0.002;
 /// Half of the blocks of a streak must have light: the median of all blocks must exceed this fraction of the threshold
 /// of detection.
 const MEDIAN_SHARE: f64 = 0.4;
@@ -333,7 +333,7 @@ impl Measuring<'_> {
             }
             seeing_arcsec = Some(measured_arcsec);
             let form = self.form_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, measured_arcsec, noise)?;
-            form_sigma = form.hypot(DRAWN_ACCURACY * amplitude.value);
+            form_sigma = form.hypot(FIT_ACCURACY * amplitude.value);
         }
         if is_saturated {
             flags.push(Flag::Saturated);
