@@ -11,7 +11,8 @@ use super::required::STREAK;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s, parse_exposure_s};
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, parse_start, seconds_between};
-use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
+use crate::identify::{MeasuredStreak, Timing, fit_line};
+use crate::images::{Outline, PixelPosition, parse_regions};
 use crate::input;
 use crate::passes::Exposure;
 
@@ -80,7 +81,7 @@ pub struct IdentifyConfig {
     #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "N", requires = "image"))]
     #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub hdu: Option<usize>,
-    /// DS9 region file drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs
+    /// DS9 region file drawn around the streak: polygons, boxes, lines or vectors in fk5, icrs or image
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub region: Option<PathBuf>,
     /// Position error (one sigma) of an end with its unit; if omitted 5arcsec, 3 pixels in a frame, a quarter of the
@@ -168,7 +169,7 @@ impl IdentifyConfig {
             (["--end"], _) => ("--end", (self.ends()?, POSITION_SIGMA_ARCSEC)),
             (["--position-angle"], _) => ("--position-angle", (self.middle()?, POSITION_SIGMA_ARCSEC)),
             (["--from-pix"], _) => ("--from-pix", self.in_frame()?),
-            (["--region"], Some(path)) => ("--region", in_regions(path)?),
+            (["--region"], Some(path)) => ("--region", self.in_regions(path)?),
             (several, _) => {
                 let several = several.join(" and ");
                 return Err(request(format!("{several} exclude each other; specify {}", STREAK.words)));
@@ -308,17 +309,43 @@ impl IdentifyConfig {
             (_, None) => Err(Error::missing("exposure time", "--exposure 30s")),
         }
     }
-}
 
-/// Returns the line through regions drawn around a streak, and the position error (one sigma) of its ends, arcsec.
-fn in_regions(path: &Path) -> Result<(Line, f64), Error> {
-    let text = input::read_to_string(path).map_err(Error::io(path))?;
-    let line =
-        fit_line(&parse_regions(&path.display().to_string(), &text)?).map_err(|error| error.in_file("", path))?;
-    // The middle line of a box is closer to the streak than the sides of the box. Lines have no width; several of them
-    // scatter about the streak.
-    let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;
-    let sigma_arcsec =
-        if line.has_width { 0.5 * half_width_arcsec } else { POSITION_SIGMA_ARCSEC.max(half_width_arcsec) };
-    Ok((Line::Ends(line.ends), sigma_arcsec))
+    /// Returns the line through regions drawn around a streak, and the position error (one sigma) of its ends, arcsec.
+    fn in_regions(&self, path: &Path) -> Result<(Line, f64), Error> {
+        let text = input::read_to_string(path).map_err(Error::io(path))?;
+        let mut outlines = Vec::new();
+        for region in parse_regions(&path.display().to_string(), &text)? {
+            outlines.push(match region.outline {
+                Outline::Sky(corners) => corners,
+                Outline::Pixels(corners) => {
+                    self.on_sky(&corners).map_err(|error| error.in_line("", path, region.line))?
+                }
+            });
+        }
+        if outlines.is_empty() {
+            let allowed = "1 or more: polygon, box, line and vector in fk5, icrs or image";
+            return Err(Error::invalid("number of regions", 0, allowed).in_file("", path));
+        }
+        let line = fit_line(&outlines).map_err(|error| error.in_file("", path))?;
+        // The middle line of a box is closer to the streak than the sides of the box. Lines have no width; several of them
+        // scatter about the streak.
+        let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;
+        let sigma_arcsec =
+            if line.has_width { 0.5 * half_width_arcsec } else { POSITION_SIGMA_ARCSEC.max(half_width_arcsec) };
+        Ok((Line::Ends(line.ends), sigma_arcsec))
+    }
+
+    #[cfg(not(all(feature = "fits", unix)))]
+    fn on_sky(&self, _: &[PixelPosition]) -> Result<Vec<Direction<Gcrs>>, Error> {
+        Err(request("this build cannot read frames; regions in image need the cargo feature fits"))
+    }
+
+    /// Returns the directions of pixels of the frame.
+    #[cfg(all(feature = "fits", unix))]
+    fn on_sky(&self, pixels: &[PixelPosition]) -> Result<Vec<Direction<Gcrs>>, Error> {
+        let Some(frame) = &self.image else {
+            return Err(Error::missing("frame of a region in image", "--image FRAME, or a region in fk5 or icrs"));
+        };
+        super::identify_frame::directions(frame, self.hdu, pixels)
+    }
 }

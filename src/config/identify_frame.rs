@@ -82,10 +82,21 @@ pub(super) fn ends(
     hdu: Option<usize>,
     pixels: [PixelPosition; 2],
 ) -> Result<([Direction<Gcrs>; 2], f64), Error> {
+    let [first, last] = directions(path, hdu, &pixels)?[..] else { unreachable!("two pixels have two directions") };
+    let length_pix = pixels[0].distance(pixels[1]).max(1e-9);
+    Ok(([first, last], first.separation_rad(&last).to_degrees() * 3600.0 / length_pix))
+}
+
+/// Returns the sky positions of pixels.
+pub(super) fn directions(
+    path: &Path,
+    hdu: Option<usize>,
+    pixels: &[PixelPosition],
+) -> Result<Vec<Direction<Gcrs>>, Error> {
     let (file, hdu) = image(path, hdu)?;
     let [rows, columns] = file.image_size(hdu)?;
     let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| error.in_hdu(path, hdu))?;
-    let sky_position = |pixel: PixelPosition| {
+    let sky_position = |pixel: &PixelPosition| {
         let [x, y] = pixel.fits();
         // The centre of the first pixel has the coordinate 1, its lower edge 0.5.
         let is_within = |at: f64, count: usize| (0.5..=count as f64 + 0.5).contains(&at);
@@ -94,16 +105,13 @@ pub(super) fn ends(
             let allowed = format!("X from 0.5 to {right}, Y from 0.5 to {top}, counted from 1");
             return Err(request(format!("pixel {x},{y} is outside of the frame")).allowing(allowed).in_hdu(path, hdu));
         }
-        wcs.to_sky(pixel).ok_or_else(|| {
+        wcs.to_sky(*pixel).ok_or_else(|| {
             request(format!("pixel {x},{y} has no position on the sky"))
                 .allowing("pixels inside the range of the world coordinates")
                 .in_hdu(path, hdu)
         })
     };
-    let [from, to] = pixels;
-    let ends = [sky_position(from)?, sky_position(to)?];
-    let length_pix = from.distance(to).max(1e-9);
-    Ok((ends, ends[0].separation_rad(&ends[1]).to_degrees() * 3600.0 / length_pix))
+    pixels.iter().map(sky_position).collect()
 }
 
 /// Returns shutter opening and exposure time (seconds): the given values, or else those of the header, with remarks

@@ -16,8 +16,9 @@ use crate::frames::{parse_start, seconds_after};
 use crate::geometry::Site;
 use crate::images::{Calibration, CountBasis, FrameFile};
 use crate::measure::{
-    CatalogueStar, Estimate, FrameMeasurements, FrameOptions, MeasureOptions, MeasuredPass, StarTable, StarZeroPoint,
-    ZeroPoints, listed_table, measure_frame, measure_listed, measurement_table, predict_within_passes,
+    CatalogueStar, Estimate, FrameMeasurements, FrameOptions, ListedMeasurement, MeasureOptions, MeasuredPass,
+    StarTable, StarZeroPoint, ZeroPoints, listed_table, measure_frame, measure_listed, measurement_table,
+    predict_within_passes,
 };
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
@@ -218,11 +219,8 @@ impl MeasureConfig {
             remarks.extend(measured.remarks.iter().map(|remark| format!("{shown}: {remark}")));
             let used = &measured.planes_used;
             if let Some(summary) = frame.images.summary() {
-                let used = if used.is_empty() {
-                    "; no plane is used".to_owned()
-                } else {
-                    format!("; used: {}", used.join(", "))
-                };
+                let used =
+                    if used.is_empty() { "; no plane is used".to_owned() } else { format!("; {}", used.join("; ")) };
                 remarks.push(format!("{shown}: {summary}{used}"));
             }
             let arbitrary = measured.passes.iter().filter(|pass| !pass.prediction.is_position_known).count();
@@ -235,6 +233,17 @@ impl MeasureConfig {
             }
             passes.extend(measured.passes);
             left_out.extend(measured.left_out);
+        }
+        let has_distance = |row: &ListedMeasurement| {
+            row.measured.as_ref().is_ok_and(|pass| {
+                pass.prediction.satellite.range_km.is_some() && pass.prediction.image_fwhm_arcsec.is_none()
+            })
+        };
+        if satellite_size_m.is_some() && !self.streaks.is_empty() && !rows.iter().any(has_distance) {
+            warnings.push(
+                "--satellite-size has no effect: no streak has a distance, from range_km or from its satellite"
+                    .to_owned(),
+            );
         }
         // With --measured, predictions are corrected already.
         if config.measured.is_empty() {

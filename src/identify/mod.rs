@@ -1,6 +1,6 @@
 //! Identification of the satellite of a measured streak.
 //!
-//! `streak` defines the measured streak, and `region` reads it from a DS9 region file. `search` finds the satellites of
+//! `streak` defines the measured streak, and `region` fits it to regions drawn around it. `search` finds the satellites of
 //! a [`Sky`](crate::passes::Sky) whose orbits pass near the streak, `compare` compares one satellite with the streak,
 //! and `likelihood` computes probabilities.
 //!
@@ -38,6 +38,6 @@ pub use streak::{MeasuredStreak, Timing};
 // code of other features.
 #[doc(hidden)]
 pub use self::{
-    region::{fit_line, parse_regions},
+    region::fit_line,
     table::{CandidateRow, candidate_table, streak_table},
 };

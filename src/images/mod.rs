@@ -27,6 +27,7 @@ mod pixels;
 mod preview;
 #[cfg(all(feature = "fits", unix))]
 mod psf_file;
+mod regions;
 #[cfg(all(feature = "fits", unix))]
 mod streak_catalogues;
 mod streak_cost;
@@ -64,6 +65,7 @@ pub use self::{
     detector::{Bleeding, Detector, Quantisation, ReadoutCorner, Saturated, Saturation},
     exposure::{Calibration, CountBasis, ExposureTime, PixelUnit, SITE_KEYWORDS, site_from_headers},
     magnitude_limit::MagnitudeLimit,
+    regions::{Outline, parse_regions},
     streak_cost::{PossibleStreak, StreakCost},
 };
 #[cfg(all(feature = "fits", unix))]

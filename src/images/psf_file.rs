@@ -1,8 +1,9 @@
 //! Point spread functions from files: an image, or the position-dependent set of images that PSFEx writes.
 //!
-//! An image (FITS, two axes of odd size) is that of a star whose centre is the centre of the image, on pixels of the frame
-//! or, with an oversampling N, on cells of 1/N of a pixel, whose light is summed to pixels. It is converted to samples of
-//! the light in a pixel of the frame as a function of the distance of the pixel from the star.
+//! An image (FITS, two axes) is that of a star on pixels of the frame or, with an oversampling N, on cells of 1/N of a
+//! pixel, whose light is summed to pixels. The star is at the centroid of its light, not at the middle of the image, so that
+//! images of any size and cut around any pixel can be used. The image is converted to samples of the light in a pixel of
+//! the frame as a function of the distance of the pixel from the star.
 //!
 //! PSFEx (Bertin 2011, ASP Conf. 442, 435) stores such samples: `PSF_MASK` has one plane for each term of a polynomial in
 //! the position, x^i y^j with i + j up to POLDEG1, in the order of j and then of i, where x = (X - POLZERO1) / POLSCAL1 and
@@ -14,6 +15,7 @@ use super::fits::{BinaryCells, FrameFile, HduKind};
 use super::header::Header;
 use super::pixels::PixelPosition;
 use crate::error::Error;
+use crate::math::quantile::median;
 use crate::message::Quoted;
 
 /// Largest number of samples along a side, and largest side in pixels of the frame.
@@ -37,8 +39,10 @@ pub struct PsfFile {
 /// Samples of the light in a pixel as a function of its distance from a star.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PsfGrid {
-    /// Rows and columns, odd. The star is at the middle sample.
+    /// Rows and columns.
     pub size: [usize; 2],
+    /// Row and column of the star, samples from 0.
+    pub star: [f64; 2],
     /// Distance between samples, pixels of the frame.
     pub step_pix: f64,
     /// Samples, one set for each term of the polynomial.
@@ -63,8 +67,8 @@ impl PsfFile {
     /// Reads a file. `oversampling` replaces the keyword OVERSAMP of an image, which is 1 if it is missing.
     ///
     /// # Errors
-    /// The file cannot be read, has no image of odd size with a positive sum and finite values, or a keyword is out of
-    /// range.
+    /// The file cannot be read, has no image with a positive sum, finite values and a border without light, or a keyword is
+    /// out of range.
     pub fn read(path: &Path, oversampling: Option<usize>) -> Result<Self, Error> {
         let file = FrameFile::open(path)?;
         let of_psfex: Vec<usize> = file
@@ -116,9 +120,15 @@ impl PsfGrid {
         self.polynomial.is_some()
     }
 
+    /// Returns the distance of the star from the farther edge of the samples along rows and columns, samples.
+    pub fn reach(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.star[axis].max(self.size[axis] as f64 - 1.0 - self.star[axis]))
+    }
+
     /// Returns the farthest pixel from the star that has light, pixels.
     pub fn reach_pix(&self) -> f64 {
-        0.5 * self.step_pix * (self.size[0].max(self.size[1]) as f64) + 1.0
+        let [rows, columns] = self.reach();
+        self.step_pix * (rows.max(columns) + 0.5) + 1.0
     }
 
     /// Returns the samples at a position in the frame; `None` if their sum is not positive there.
@@ -147,7 +157,11 @@ fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, Error> {
         return Err(Error::invalid("point spread function", "missing", allowed).in_file("", file.path()));
     };
     let [rows, columns] = file.image_size(hdu)?;
-    check_size([rows, columns]).map_err(|error| error.in_hdu(file.path(), hdu))?;
+    if rows.max(columns) > MOST_SAMPLES {
+        let given = format!("{columns} by {rows} pixels");
+        let allowed = format!("sides up to {MOST_SAMPLES} pixels");
+        return Err(Error::invalid("size of the point spread function", given, allowed).in_hdu(file.path(), hdu));
+    }
     let header = file.header(hdu)?;
     let stated = header.number("OVERSAMP");
     let oversampling = match (given, stated) {
@@ -163,9 +177,14 @@ fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, Error> {
     }
     let plane = file.read_plane(hdu)?;
     let cells: Vec<f64> = plane.values().iter().map(|value| f64::from(*value)).collect();
-    check_values(&cells).map_err(|error| error.in_hdu(file.path(), hdu))?;
+    check_values(&cells)
+        .and_then(|()| check_border(&cells, columns))
+        .map_err(|error| error.in_hdu(file.path(), hdu))?;
+    let centroid = centroid(&cells, columns);
     let (samples, size) = summed(cells, [rows, columns], oversampling as usize);
-    let grid = PsfGrid { size, step_pix: 1.0 / oversampling, terms: vec![samples], polynomial: None };
+    // The samples extend beyond the cells evenly on all sides.
+    let star = [0, 1].map(|axis| centroid[axis] + 0.5 * (size[axis] - [rows, columns][axis]) as f64);
+    let grid = PsfGrid { size, star, step_pix: 1.0 / oversampling, terms: vec![samples], polynomial: None };
     check_extent(&grid).map_err(|error| error.in_file("", file.path()))?;
     Ok(grid)
 }
@@ -271,7 +290,9 @@ fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, Error> {
     }
     check_values(&values[..samples]).map_err(of_table)?;
     let terms = values.chunks_exact(samples).map(<[f64]>::to_vec).collect();
-    let grid = PsfGrid { size, step_pix, terms, polynomial };
+    // PSFEx has the star at the middle sample.
+    let star = size.map(|side| 0.5 * (side as f64 - 1.0));
+    let grid = PsfGrid { size, star, step_pix, terms, polynomial };
     check_extent(&grid).map_err(of_table)?;
     Ok(grid)
 }
@@ -297,6 +318,42 @@ fn check_values(values: &[f64]) -> Result<(), Error> {
         return Err(Error::invalid("sum of the point spread function", sum, allowed));
     }
     Ok(())
+}
+
+/// Returns an error if the outermost cells have light: they are those of a sky, or the wings are cut off.
+fn check_border(cells: &[f64], columns: usize) -> Result<(), Error> {
+    /// Largest light of the border relative to the peak.
+    const MOST: f64 = 0.01;
+    let rows = cells.len() / columns;
+    let is_border = |at: usize| {
+        let (row, column) = (at / columns, at % columns);
+        row == 0 || column == 0 || row + 1 == rows || column + 1 == columns
+    };
+    let border = median((0..cells.len()).filter(|at| is_border(*at)).map(|at| cells[at]).collect());
+    let share = border / cells.iter().copied().fold(0.0, f64::max);
+    if share.abs() > MOST {
+        let given = format!("{:.1} % of its peak (median)", 100.0 * share);
+        let allowed = format!(
+            "at most {} %: subtract the sky from the image of the star, or use one with more of its wings",
+            100.0 * MOST
+        );
+        return Err(Error::invalid("border of the point spread function", given, allowed));
+    }
+    Ok(())
+}
+
+/// Returns the centroid (row, column) of the light above 5 % of the peak: fainter wings have more noise than light.
+fn centroid(cells: &[f64], columns: usize) -> [f64; 2] {
+    let least = 0.05 * cells.iter().copied().fold(0.0, f64::max);
+    let [mut light, mut row, mut column] = [0.0; 3];
+    for (at, value) in cells.iter().enumerate() {
+        // Without a step at the threshold, which would depend on the place of the star within its cell.
+        let above = (value - least).max(0.0);
+        light += above;
+        row += above * (at / columns) as f64;
+        column += above * (at % columns) as f64;
+    }
+    [row / light, column / light]
 }
 
 fn check_extent(grid: &PsfGrid) -> Result<(), Error> {

@@ -8,18 +8,16 @@
 //!   are left out, as in the masks of findsat_mrt.
 //! - The same tables that astropy read and wrote as CSV, ECSV or FITS, and FITS tables with the columns of
 //!   [`StreakTable`](super::StreakTable).
-//! - Regions of SAOImage DS9: `line(x1,y1,x2,y2)` in `image` (pixels from 1) or in `fk5`, `j2000` or `icrs` (degrees, or
-//!   hours and degrees with colons), `segment` and `projection` likewise, and `vector(x,y,length,angle)` in `image`; the
-//!   last three also behind `#`, as DS9 saves them. The text of a region is the name of the streak.
+//! - Regions of SAOImage DS9 (`regions.rs`) with two ends: `line`, `vector`, `segment` and `projection`. The text of a
+//!   region is the name of the streak.
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use super::fits::{BinaryCells, BinaryColumn, FrameFile, HduKind};
+use super::regions::{Outline, Region, is_region_system, parse_regions};
 use crate::error::Error;
-use crate::frames::{parse_declination_deg, parse_right_ascension_deg};
 use crate::input::{self, Column, TableRows};
-use crate::message::Quoted;
 
 /// Status of a trail that passed all tests of findsat_mrt.
 const ACCEPTED: f64 = 2.0;
@@ -74,92 +72,57 @@ fn is_ds9(text: &str) -> bool {
         shapes.iter().any(|shape| text.trim_start_matches(['#', ' ']).starts_with(shape))
     };
     let (system, shape) = first.split_once(';').unwrap_or((first, ""));
-    let is_system = system_of(None, system.trim()).is_some() && (shape.is_empty() || is_shape(shape));
+    let is_system = is_region_system(system.trim()) && (shape.is_empty() || is_shape(shape));
     first.starts_with(DS9_HEAD) || first.starts_with("global ") || is_shape(first) || is_system
 }
 
+/// Converts regions: each row has its ends in pixels or on the sky.
 fn ds9(path: &Path, text: &str) -> Result<String, Error> {
-    const ALLOWED: &str = "line, segment or projection in image, fk5 or icrs, or vector in image, one on each line, all in \
-                           one coordinate system";
-    let mut system: Option<&'static str> = None;
-    let mut converted = String::new();
-    for (line, number) in text.lines().zip(1..) {
-        let invalid = |given: &str| {
-            Error::invalid("region", format!("'{}'", Quoted::new(given)), ALLOWED).in_line("", path, number)
+    let regions = parse_regions(&path.display().to_string(), text)?;
+    let in_pixels = |region: &Region| matches!(region.outline, Outline::Pixels(_));
+    let (has_pixels, has_sky) = (regions.iter().any(in_pixels), !regions.iter().all(in_pixels));
+    let mut rows = Vec::new();
+    for region in &regions {
+        let ends: Vec<[f64; 2]> = match &region.outline {
+            Outline::Pixels(corners) => corners.iter().map(|corner| corner.fits()).collect(),
+            Outline::Sky(corners) => corners
+                .iter()
+                .map(|corner| [corner.longitude_rad(), corner.latitude_rad()].map(f64::to_degrees))
+                .collect(),
         };
-        // Each row keeps its line; the names of the columns are in the first one, which is a comment of DS9. Without this
-        // comment, rows are one line lower.
-        converted.push_str(if number == 1 && line.starts_with(DS9_HEAD) { "" } else { "\n" });
-        let commented = line.trim_start_matches('#').trim_start();
-        let is_commented = ["vector(", "projection(", "segment("].iter().any(|shape| commented.starts_with(shape));
-        let line = if is_commented { commented } else { line };
-        let name = [("text={", '}'), ("text=\"", '"'), ("text='", '\'')].into_iter().find_map(|(start, end)| {
-            let (_, rest) = line.split_once(start)?;
-            rest.split(end).next()
-        });
-        let mut shape = line.split('#').next().unwrap_or_default().trim();
-        if let Some((first, rest)) = shape.split_once(';') {
-            // `image;line(...)`, as in files with a system before each shape.
-            system = Some(system_of(system, first.trim()).ok_or_else(|| invalid(line))?);
-            shape = rest.trim();
-        }
-        if shape.is_empty() || shape.starts_with("global") {
-            continue;
-        }
-        let Some((kind, numbers)) = shape.split_once('(') else {
-            system = Some(system_of(system, shape).ok_or_else(|| invalid(line))?);
-            continue;
+        let &[[a, b], [c, d]] = &ends[..] else {
+            let given = format!("a shape with {} corners", ends.len());
+            let allowed = "line, vector, segment or projection, which have two ends";
+            return Err(Error::invalid("region", given, allowed).in_line("", path, region.line));
         };
-        let cells: Vec<&str> = numbers
-            .split(')')
-            .next()
-            .unwrap_or_default()
-            .split([',', ' '])
-            .map(str::trim)
-            .filter(|cell| !cell.is_empty())
-            .collect();
-        let kind = kind.trim();
-        let [a, b, c, d] = match (kind, &cells[..]) {
-            // The last number is the width of the projection.
-            ("projection", [a, b, c, d, _]) | (_, [a, b, c, d]) => [*a, *b, *c, *d],
-            _ => return Err(invalid(line)),
+        // In a file with pixels and sky, the columns of the other system are empty.
+        let (before, after) = match (in_pixels(region), has_pixels && has_sky) {
+            (_, false) => ("", ""),
+            (true, true) => ("", ",,,,"),
+            (false, true) => (",,,,", ""),
         };
-        let ends = match (kind, system) {
-            ("line" | "segment" | "projection", Some("image")) => [a, b, c, d].map(|cell| cell.parse::<f64>().ok()),
-            ("vector", Some("image")) => {
-                let [x, y, length, angle_deg] = [a, b, c, d].map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
-                let (sin, cos) = angle_deg.to_radians().sin_cos();
-                [x, y, x + length * cos, y + length * sin].map(Some)
-            }
-            ("line" | "segment" | "projection", Some(_)) => {
-                let ends = [(a, b), (c, d)]
-                    .map(|(ra, dec)| [parse_right_ascension_deg(ra).ok(), parse_declination_deg(dec).ok()]);
-                [ends[0][0], ends[0][1], ends[1][0], ends[1][1]]
-            }
-            _ => return Err(invalid(line)),
-        };
-        let [Some(a), Some(b), Some(c), Some(d)] = ends.map(|end| end.filter(|number| number.is_finite())) else {
-            return Err(invalid(line));
-        };
-        let name = name.unwrap_or_default().replace([',', '"'], " ");
-        converted += &format!("\"{name}\",{a},{b},{c},{d}");
+        let name = region.name.replace([',', '"'], " ");
+        rows.push((region.line as u64, format!("\"{name}\",{before}{a},{b},{c},{d}{after}")));
     }
-    let columns = match system {
-        Some("image") => "id,x1_pix,y1_pix,x2_pix,y2_pix",
-        _ => "id,ra1_deg,dec1_deg,ra2_deg,dec2_deg",
+    let columns = match (has_pixels, has_sky) {
+        (true, false) => "id,x1_pix,y1_pix,x2_pix,y2_pix",
+        (false, _) => "id,ra1_deg,dec1_deg,ra2_deg,dec2_deg",
+        (true, true) => "id,x1_pix,y1_pix,x2_pix,y2_pix,ra1_deg,dec1_deg,ra2_deg,dec2_deg",
     };
-    Ok(format!("{columns}{converted}\n"))
+    Ok(at_lines(columns, rows))
 }
 
-/// Returns the coordinate system of a file of regions: `image` or `icrs`, from which FK5 of equinox 2000 differs by 0.02
-/// arcsec. `None` if it is not supported, or another one than before.
-fn system_of(before: Option<&'static str>, name: &str) -> Option<&'static str> {
-    let system = match name.to_ascii_lowercase().as_str() {
-        "image" => "image",
-        "fk5" | "j2000" | "icrs" => "icrs",
-        _ => return None,
-    };
-    before.is_none_or(|before| before == system).then_some(system)
+/// Returns a table in which each row has its line, below the names of the columns in the first one. A row of the first
+/// line, and one whose line is taken, is on the next free line.
+fn at_lines(columns: &str, rows: impl IntoIterator<Item = (u64, String)>) -> String {
+    let (mut text, mut next) = (format!("{columns}\n"), 2);
+    for (line, row) in rows {
+        text.extend((next..line).map(|_| '\n'));
+        next = line.max(next) + 1;
+        text += &row;
+        text.push('\n');
+    }
+    text
 }
 
 /// Returns `streaks.txt` of ASTRiDE, whose cells are separated by blanks, as CSV.
@@ -204,20 +167,16 @@ impl Detected {
 
 /// Returns streaks as CSV, each on its line, with pixels counted from 1.
 fn converted(streaks: &[Detected]) -> String {
-    let (mut text, mut line) = ("id,x1_pix,y1_pix,x2_pix,y2_pix\n".to_owned(), 2);
-    for streak in streaks {
-        text.extend((line..streak.line).map(|_| '\n'));
-        line = line.max(streak.line) + 1;
+    let row = |streak: &Detected| {
         // Cells that are not numbers give an error with their line when they are used.
         let ends = match streak.numbers() {
             Some(numbers) => numbers.map(|from_zero| (from_zero + 1.0).to_string()),
             None => streak.ends.clone(),
         };
         let cells = [&streak.name].into_iter().chain(&ends).map(|cell| cell.replace([',', '"'], " "));
-        text += &cells.collect::<Vec<_>>().join(",");
-        text.push('\n');
-    }
-    text
+        (streak.line, cells.collect::<Vec<_>>().join(","))
+    };
+    at_lines("id,x1_pix,y1_pix,x2_pix,y2_pix", streaks.iter().map(row))
 }
 
 /// Converts a table of ASTRiDE. Parts of a broken streak, each of which has the `ID` of the next one in the column
@@ -373,37 +332,42 @@ mod tests {
     #[test]
     fn regions_of_ds9_are_converted_with_their_lines() {
         let of = |text: &str| ds9(Path::new("a.reg"), &format!("{HEAD}{text}"));
-        let text = "image\nline(1,2,3.5,4) # line=0 0 text={one}\n# vector(10,20,5,90) vector=1\n";
-        let rows = of(text).unwrap();
+        let rows =
+            of("image\nline(1,2,3.5,4) # line=0 0 text={one}\n\n# vector(10,20,5,0) text={#2, \"b\"}\n").unwrap();
         let lines: Vec<&str> = rows.lines().collect();
-        assert_eq!(lines[..4], ["id,x1_pix,y1_pix,x2_pix,y2_pix", "", "", "\"one\",1,2,3.5,4"]);
-        let ends: Vec<f64> = lines[4].split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
-        assert!((ends[2] - 10.0).abs() < 1e-9 && (ends[3] - 25.0).abs() < 1e-9, "{rows}");
-        let rows = of("fk5\nline(0:40:00,-10:30:00,10.5,-11)\n").unwrap();
-        assert!(
-            rows.starts_with("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg\n") && rows.contains("\n\"\",10,-10.5,10.5,-11"),
-            "{rows}"
-        );
-        let rows = of("image\n# projection(81,61,521,431,10)\n# segment(1,2,3,4)\n").unwrap();
-        assert!(rows.contains("\n\"\",81,61,521,431\n\"\",1,2,3,4\n"), "{rows}");
-        for name in ["{#3}", "\"#3\"", "'#3'"] {
-            let rows = of(&format!("image\nline(1,2,3,4) # text={name}\n")).unwrap();
-            assert!(rows.contains("\n\"#3\",1,2,3,4"), "{rows}");
-        }
-        for (text, line) in [
-            ("image\ncircle(1,2,3)\n", 4),
-            ("line(1,2,3,4)\n", 3),
-            ("galactic\nline(1,2,3,4)\n", 3),
-            ("image\nline(1,2,3,4)\nfk5\nline(1,2,3,4)\n", 5),
-            ("image\nline(1,2,3,x)\n", 4),
-            ("fk5\nvector(1,2,3,4)\n", 4),
+        let names = "id,x1_pix,y1_pix,x2_pix,y2_pix";
+        assert_eq!(lines, [names, "", "", "\"one\",1,2,3.5,4", "", "\"#2   b \",10,20,15,20"]);
+        // A vector on the sky, of angle 90°, points north.
+        let rows = of("fk5\n# vector(0:40:00,-10:30:00,1800\",90) vector=1\n").unwrap();
+        let lines: Vec<&str> = rows.lines().collect();
+        assert_eq!((lines[0], lines.len()), ("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg", 4));
+        let ends: Vec<f64> = lines[3].split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+        let expected = [10.0, -10.5, 10.0, -10.0];
+        assert!(ends.iter().zip(expected).all(|(end, expected)| (end - expected).abs() < 1e-4), "{ends:?}");
+        for (text, line, problem) in [
+            ("image\ncircle(1,2,3)\n", 4, "unsupported shape 'circle'"),
+            ("image\nbox(1,2,3,4)\n", 4, "a shape with 4 corners; allowed: line, vector, segment or projection"),
+            ("line(1,2,3,4)\n", 3, "has no preceding coordinate system"),
+            ("physical\nline(1,2,3,4)\n", 4, "unsupported coordinate system physical"),
         ] {
             let message = of(text).unwrap_err().to_string();
-            assert!(
-                message.contains(&format!("a.reg: line {line}: region")) && message.contains("line, segment"),
-                "{message}"
-            );
+            assert!(message.contains(&format!("a.reg: line {line}: ")) && message.contains(problem), "{message}");
         }
+    }
+
+    /// Each row has its ends in the system of its region.
+    #[test]
+    fn regions_in_pixels_and_on_the_sky_are_one_table() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("a.reg");
+        std::fs::write(&path, "image;line(1,2,3,4);line(5,6,7,8)\nicrs\nline(10,-10,11,-11)\n").unwrap();
+        let (table, ()) = StreakTable::read(&path, |_| Ok(())).unwrap();
+        let ends: Vec<StreakEnds> = table.rows().map(|row| row.ends().unwrap()).collect();
+        let [StreakEnds::Pixels(_), StreakEnds::Pixels(second), StreakEnds::Sky(third)] = &ends[..] else {
+            panic!("{ends:?}")
+        };
+        assert_eq!(second.map(|end| end.fits()), [[5.0, 6.0], [7.0, 8.0]]);
+        assert!((third[1].latitude_rad().to_degrees() + 11.0).abs() < 1e-9);
     }
 
     /// Rows of `streaks.txt`: ID, connectivity and ends.

@@ -22,6 +22,8 @@ pub struct Background {
     across: usize,
     /// Median and noise of each cell; `None` without pixels that have a value.
     cells: Vec<Option<(f32, f32)>>,
+    /// Noise of pixels that a companion plane states, relative to the noise of the cells; `None` if none is used.
+    pub(super) stated_ratio: Option<f64>,
 }
 
 impl Background {
@@ -34,7 +36,12 @@ impl Background {
             cell_statistics(plane, light_area, within(cell / across, rows), within(cell % across, columns))
         };
         let cells = (0..down * across).into_par_iter().map(statistics).collect();
-        Self { light_area: light_area.clone(), across, cells }
+        Self { light_area: light_area.clone(), across, cells, stated_ratio: None }
+    }
+
+    /// Returns the noise of the cell of a pixel; `None` without pixels that have a value.
+    pub(super) fn noise(&self, row: usize, column: usize) -> Option<f64> {
+        self.cells[row / CELL * self.across + column / CELL].map(|(_, sigma)| f64::from(sigma))
     }
 
     /// Returns the value of a pixel relative to the sky background, in units of the noise, and clipped; NaN outside the

@@ -1,4 +1,4 @@
-//! Bad pixels from the companion planes of a frame: masks, variances and errors.
+//! Bad pixels and noise from the companion planes of a frame: masks, variances and errors.
 
 use crate::error::Error;
 use crate::images::{CompanionPlane, FrameFile, Header, Plane, PlaneKind};
@@ -7,14 +7,36 @@ use crate::images::{CompanionPlane, FrameFile, Header, Plane, PlaneKind};
 /// cosmic rays and streaks also mark the streaks that are measured, and are not used.
 const BAD_PLANES: [&str; 6] = ["MP_BAD", "MP_SAT", "MP_NO_DATA", "MP_EDGE", "MP_SUSPECT", "MP_UNMASKEDNAN"];
 
-/// Largest fraction of bad pixels of a plane whose meaning is not stated. In a plane with more, 1 may mark good pixels.
+/// Largest fraction of bad pixels of a mask whose meaning is not stated. In a mask with more, 1 may mark good pixels.
 const LARGEST_SHARE: f64 = 0.5;
 
 /// Keyword of a mask that states that all values other than 0 mark bad pixels, as in the masks of arrays in memory.
 const EXPLICIT: &str = "BADPIX";
 
-/// Sets the bad pixels of a chip to NaN, as its companion planes state them. Returns what was used of each plane, for
-/// example "HDU 2 (MASK): 120 bad pixels (MP_BAD, MP_SAT)".
+/// Rows of a plane that are read at once.
+const ROWS: usize = 256;
+/// Distance of the pixels whose noise is compared with the scatter of the sky, along rows and columns.
+const NOISE_STEP: usize = 7;
+
+/// What the companion planes of a chip state.
+#[derive(Debug, Default)]
+pub(super) struct StatedPixels {
+    /// What was used of each plane, for example "HDU 2 (MASK): 120 bad pixels (MP_BAD, MP_SAT)".
+    pub used: Vec<String>,
+    /// Noise of the first plane that states it.
+    pub noise: Option<StatedNoise>,
+}
+
+/// Noise of pixels by a variance, an inverse variance or an error.
+#[derive(Debug)]
+pub(super) struct StatedNoise {
+    /// Index of the plane in `used`.
+    pub plane: usize,
+    /// Row, column and noise (one sigma) of some good pixels.
+    pub pixels: Vec<(usize, usize, f32)>,
+}
+
+/// Sets the bad pixels of a chip to NaN, as its companion planes state them, and returns what was used of the planes.
 ///
 /// # Errors
 /// A plane that cannot be read.
@@ -23,34 +45,119 @@ pub(super) fn remove_bad_pixels(
     hdu: usize,
     companions: &[CompanionPlane],
     plane: &mut Plane,
-) -> Result<Vec<String>, Error> {
-    let mut used = Vec::new();
+) -> Result<StatedPixels, Error> {
+    let mut stated = StatedPixels::default();
     for companion in companions.iter().filter(|companion| companion.of == Some(hdu)) {
-        let Some(rule) = Rule::from_header(companion.kind, file.header(companion.hdu)?) else { continue };
-        let values = file.read_plane(companion.hdu)?;
-        let bad: Vec<bool> = values.values().iter().map(|value| rule.is_bad(*value)).collect();
+        let headers = [file.header(companion.hdu)?, file.header(0)?];
+        let Some(rule) = Rule::from_headers(companion, headers) else { continue };
+        let [rows, columns] = file.image_size(companion.hdu)?;
+        let (mut bad, mut is_boolean, mut pixels) = (Vec::with_capacity(rows * columns), true, Vec::new());
+        for first in (0..rows).step_by(ROWS) {
+            for value in file.read_rows(companion.hdu, first..(first + ROWS).min(rows))? {
+                let (row, column) = (bad.len() / columns, bad.len() % columns);
+                let is_bad = rule.is_bad(value);
+                bad.push(is_bad);
+                is_boolean &= value == 0.0 || value == 1.0;
+                if !is_bad && row % NOISE_STEP == 0 && column % NOISE_STEP == 0 {
+                    pixels.extend(noise(companion.kind, value).map(|sigma| (row, column, sigma)));
+                }
+            }
+        }
         let count = bad.iter().filter(|is_bad| **is_bad).count();
         let name = format!("HDU {} ({})", companion.hdu, companion.name);
-        // A mask with other numbers than 0 and 1 has bits of unknown meaning.
-        let is_boolean = || values.values().iter().all(|value| *value == 0.0 || *value == 1.0);
-        let is_stated = matches!(rule, Rule::Bits(..) | Rule::NotZero { is_stated: true });
-        if matches!(rule, Rule::NotZero { is_stated: false }) && !is_boolean() {
-            used.push(format!("{name} is not used: its bits are not described by MP_ keywords"));
-        } else if !is_stated && count as f64 > LARGEST_SHARE * bad.len() as f64 {
-            used.push(format!("{name} is not used: {count} of {} pixels would be bad", bad.len()));
+        // A mask with other numbers than 0 and 1 has bits of unknown meaning. In other planes only good pixels have values.
+        let (is_unclear, most) = match rule {
+            Rule::Bits(..) | Rule::NotZero { is_stated: true } => (false, 1.0),
+            Rule::NotZero { is_stated: false } => (!is_boolean, LARGEST_SHARE),
+            Rule::NotPositive => (false, (bad.len() - 1) as f64 / bad.len() as f64),
+        };
+        if is_unclear {
+            stated.used.push(format!(
+                "{name} is not used: its bits are described neither by MP_ keywords nor by TELESCOP and INSTRUME of an \
+                 instrument whose bits are known ({})",
+                KNOWN_BITS.map(|known| known.name).join(", ")
+            ));
+        } else if count as f64 > most * bad.len() as f64 {
+            stated.used.push(format!("{name} is not used: {count} of {} pixels would be bad", bad.len()));
         } else {
-            let pixels = plane.values_mut().iter_mut().zip(bad);
-            pixels.filter(|(_, is_bad)| *is_bad).for_each(|(pixel, _)| *pixel = f32::NAN);
-            used.push(format!("{name}: {count} bad pixels{}", rule.words()));
+            let all = plane.values_mut().iter_mut().zip(bad);
+            all.filter(|(_, is_bad)| *is_bad).for_each(|(pixel, _)| *pixel = f32::NAN);
+            if stated.noise.is_none() && !pixels.is_empty() {
+                stated.noise = Some(StatedNoise { plane: stated.used.len(), pixels });
+            }
+            stated.used.push(format!("{name}: {count} bad pixels{}", rule.words()));
         }
     }
-    Ok(used)
+    Ok(stated)
 }
+
+/// Returns the noise (one sigma) that a plane states with a value above 0; `None` for planes without noise.
+fn noise(kind: PlaneKind, value: f64) -> Option<f32> {
+    match kind {
+        PlaneKind::Variance => Some(value.sqrt() as f32),
+        PlaneKind::InverseVariance => Some(value.sqrt().recip() as f32),
+        PlaneKind::Error => Some(value as f32),
+        PlaneKind::Mask | PlaneKind::Weight | PlaneKind::Other => None,
+    }
+}
+
+/// Instrument with the bits of its masks that mark pixels without valid light.
+#[derive(Copy, Clone)]
+struct KnownBits {
+    name: &'static str,
+    /// TELESCOP; empty for any.
+    telescope: &'static str,
+    /// Beginning of INSTRUME; empty for any.
+    instrument: &'static str,
+    /// Part of the name of the plane.
+    plane: &'static str,
+    bits: u64,
+    words: &'static str,
+}
+
+/// Bits of cosmic rays, streaks and detected sources, and of pixels with a valid calibration, are left out.
+const KNOWN_BITS: [KnownBits; 5] = {
+    // ACS Data Handbook (2022), table 3.4; WFC3 Data Handbook (2024), table 3.3: decoding error, filled, bad, hot, bad
+    // in bias or reference, full well, bad in flat or blob, saturated.
+    const HST: u64 = 1 | 2 | 4 | 16 | 128 | 256 | 512 | 2048;
+    const HST_WORDS: &str = "bits 1, 2, 4, 16, 128, 256, 512, 2048";
+    [
+        KnownBits { name: "HST ACS", telescope: "HST", instrument: "ACS", plane: "DQ", bits: HST, words: HST_WORDS },
+        KnownBits { name: "HST WFC3", telescope: "HST", instrument: "WFC3", plane: "DQ", bits: HST, words: HST_WORDS },
+        // jwst.datamodels.dqflags
+        KnownBits {
+            name: "JWST",
+            telescope: "JWST",
+            instrument: "",
+            plane: "DQ",
+            bits: 1 | 2,
+            words: "DO_NOT_USE, SATURATED",
+        },
+        // Morganson et al. (2018, PASP 130, 074501), table 9
+        KnownBits {
+            name: "DES",
+            telescope: "",
+            instrument: "DECAM",
+            plane: "MSK",
+            bits: 1 | 2 | 8 | 64 | 128 | 512 | 2048,
+            words: "BPM, SATURATE, BADAMP, TRAIL, EDGEBLEED, EDGE, SUSPECT",
+        },
+        // ZTF Science Data System explanatory supplement, section 10.3
+        KnownBits {
+            name: "ZTF",
+            telescope: "",
+            instrument: "ZTF",
+            plane: "",
+            bits: 1 << 2 | 1 << 3 | 1 << 4 | 1 << 8 | 1 << 9 | 1 << 10,
+            words: "low and high response, noisy, saturated, dead, no value",
+        },
+    ]
+};
 
 /// Condition for a bad pixel.
 enum Rule {
-    /// One of these bits is set; with the names of their planes.
-    Bits(u32, String),
+    /// One of these bits is set; with their names.
+    Bits(u64, String),
     /// The value is not 0; `is_stated` if the header states that this marks bad pixels.
     NotZero { is_stated: bool },
     /// The value is not a finite number above 0: a variance, an inverse variance, an error or a weight.
@@ -58,18 +165,31 @@ enum Rule {
 }
 
 impl Rule {
-    fn from_header(kind: PlaneKind, header: &Header) -> Option<Self> {
-        let bit =
-            |keyword: &&str| header.integer(keyword).and_then(|bit| u32::try_from(bit).ok()).filter(|bit| *bit < 24);
-        match kind {
-            PlaneKind::Mask if header.cards().iter().any(|card| card.keyword().starts_with("MP_")) => {
+    /// Returns the rule of a plane with these headers: its own, and that of the file.
+    fn from_headers(plane: &CompanionPlane, headers: [&Header; 2]) -> Option<Self> {
+        let own = headers[0];
+        let bit = |keyword: &&str| own.integer(keyword).and_then(|bit| u32::try_from(bit).ok()).filter(|bit| *bit < 53);
+        let text = |keyword: &str| {
+            headers.into_iter().find_map(|header| header.text(keyword)).unwrap_or_default().to_ascii_uppercase()
+        };
+        let is_known = |known: &KnownBits| {
+            (known.telescope.is_empty() || text("TELESCOP") == known.telescope)
+                && text("INSTRUME").starts_with(known.instrument)
+                && plane.name.contains(known.plane)
+        };
+        match plane.kind {
+            PlaneKind::Mask if own.cards().iter().any(|card| card.keyword().starts_with("MP_")) => {
                 let planes: Vec<&str> = BAD_PLANES.into_iter().filter(|keyword| bit(keyword).is_some()).collect();
                 let bits = planes.iter().filter_map(bit).fold(0, |bits, bit| bits | (1 << bit));
                 let planes =
                     if planes.is_empty() { "no MP_ plane of bad pixels".to_owned() } else { planes.join(", ") };
                 Some(Self::Bits(bits, planes))
             }
-            PlaneKind::Mask => Some(Self::NotZero { is_stated: header.logical(EXPLICIT) == Some(true) }),
+            PlaneKind::Mask if own.logical(EXPLICIT) == Some(true) => Some(Self::NotZero { is_stated: true }),
+            PlaneKind::Mask => Some(match KNOWN_BITS.iter().find(|known| is_known(known)) {
+                Some(known) => Self::Bits(known.bits, format!("{}: {}", known.name, known.words)),
+                None => Self::NotZero { is_stated: false },
+            }),
             PlaneKind::Variance | PlaneKind::InverseVariance | PlaneKind::Error | PlaneKind::Weight => {
                 Some(Self::NotPositive)
             }
@@ -77,10 +197,10 @@ impl Rule {
         }
     }
 
-    fn is_bad(&self, value: f32) -> bool {
+    fn is_bad(&self, value: f64) -> bool {
         match self {
-            // Values of masks are integers below 2²⁴, which are exact in single precision.
-            Self::Bits(bits, _) => value > 0.0 && (value as u32 & bits) != 0,
+            // Values of masks are integers below 2⁵³, which are exact in double precision.
+            Self::Bits(bits, _) => value > 0.0 && (value as u64 & bits) != 0,
             Self::NotZero { .. } => value != 0.0,
             Self::NotPositive => !value.is_finite() || value <= 0.0,
         }
@@ -99,17 +219,37 @@ impl Rule {
 mod tests {
     use super::*;
 
-    fn is_bad(kind: PlaneKind, value: f32) -> bool {
-        Rule::from_header(kind, &Header::default()).unwrap().is_bad(value)
+    fn rule(name: &str, kind: PlaneKind, cards: &str) -> Rule {
+        let plane = CompanionPlane { hdu: 1, name: name.to_owned(), of: Some(0), kind };
+        Rule::from_headers(&plane, [&Header::default(), &Header::from_text(cards)]).unwrap()
     }
 
     #[test]
     fn pixels_without_information_are_bad() {
         for kind in [PlaneKind::Variance, PlaneKind::InverseVariance, PlaneKind::Error, PlaneKind::Weight] {
-            for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-                assert!(is_bad(kind, value), "{kind:?} {value}");
+            let rule = rule("A", kind, "");
+            for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+                assert!(rule.is_bad(value), "{kind:?} {value}");
             }
-            assert!(!is_bad(kind, 1e-6), "{kind:?}");
+            assert!(!rule.is_bad(1e-6), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn bits_of_known_instruments() {
+        for (name, cards, bad, good) in [
+            ("DQ", "TELESCOP= 'HST'\nINSTRUME= 'WFC3'\n", 16u64 | 8192, 64u64 | 8192 | 16384),
+            ("DQ", "TELESCOP= 'HST     '\nINSTRUME= 'ACS'\n", 256, 32 | 4096),
+            // The bit of a pixel of NIRISS without a flat field, 2³¹, and DO_NOT_USE.
+            ("DQ", "TELESCOP= 'JWST'\n", 1 | 1 << 31, 4 | 1 << 31),
+            ("MSK", "INSTRUME= 'DECam'\n", 512, 16 | 1024),
+            ("MASK", "INSTRUME= 'ZTF/MOSAIC'\n", 1 << 8, 1 | 2),
+        ] {
+            let rule = rule(name, PlaneKind::Mask, cards);
+            assert!(rule.is_bad(bad as f64) && !rule.is_bad(good as f64), "{cards}");
+        }
+        for cards in ["", "TELESCOP= 'HST'\nINSTRUME= 'WFPC2'\n", "INSTRUME= 'DECam'\n"] {
+            assert!(matches!(rule("DQ", PlaneKind::Mask, cards), Rule::NotZero { is_stated: false }), "{cards}");
         }
     }
 }

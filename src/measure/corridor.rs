@@ -95,6 +95,16 @@ impl Corridor {
         self.centre.len()
     }
 
+    /// Returns row and column of the pixels on the track that are in the frame.
+    pub fn pixels(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        self.centre.iter().enumerate().filter_map(|(index, minor)| {
+            let (major, minor) = (self.first + index, minor.round());
+            let is_inside = (0.0..self.minor_count as f64).contains(&minor);
+            let minor = minor as usize;
+            is_inside.then_some(if self.is_along_rows { [minor, major] } else { [major, minor] })
+        })
+    }
+
     /// Returns the cosine of the angle between the track and the major axis, from 0.7 to 1.
     pub fn cos(&self) -> f64 {
         if self.is_along_rows { self.motion[0].abs() } else { self.motion[1].abs() }

@@ -8,6 +8,7 @@ use super::bad_pixels::remove_bad_pixels;
 use super::cut::{StreakCut, streak_cut};
 use super::levels::PixelLevels;
 use super::measurement::{Estimate, Flag, MeasureOptions, StreakImage, StreakMeasurement};
+use super::noise::compare_noise;
 use super::predict::{PredictOptions, Prediction, predictions};
 use super::star_table::CatalogueStar;
 use super::streak::{measure_streak, profile_of};
@@ -106,7 +107,7 @@ pub struct FrameMeasurements {
     pub left_out: Vec<LeftOut>,
     /// Zero points from stars, with the HDUs of their chips. Only chips with a predicted track are measured.
     pub star_zero_points: Vec<(usize, StarZeroPoint)>,
-    /// Companion planes from which bad pixels were removed, or the reason why a plane was not used.
+    /// What was used of companion planes: bad pixels and noise, or the reason why a plane was not used.
     pub planes_used: Vec<String>,
     /// Values at which pixels of a chip are cut off although the header does not say so, as sentences.
     pub remarks: Vec<String>,
@@ -160,7 +161,7 @@ pub fn measure_predictions(
         watch.check()?;
         let chip = &target.chip;
         let mut plane = frame.file.read_plane(chip.hdu)?;
-        done.planes_used.extend(remove_bad_pixels(&frame.file, chip.hdu, &frame.images.companions, &mut plane)?);
+        let mut planes = remove_bad_pixels(&frame.file, chip.hdu, &frame.images.companions, &mut plane)?;
         // Infinite pixels, such as those of a division by a flat field of 0, have no value.
         plane.values_mut().iter_mut().filter(|value| value.is_infinite()).for_each(|value| *value = f32::NAN);
         let levels = PixelLevels::new(&plane, &chip.light_area, target.whole_range.map(|(_, greatest)| greatest));
@@ -168,7 +169,13 @@ pub fn measure_predictions(
         let electrons_per_unit =
             target.electrons_per_unit.filter(|gain| !levels.is_some_and(|levels| levels.contradict_gain(*gain)));
         let full = levels.and_then(|levels| levels.full);
-        let background = Background::new(&plane, &chip.light_area);
+        let mut background = Background::new(&plane, &chip.light_area);
+        if let Some(noise) = &planes.noise
+            && let Some(words) = compare_noise(noise, &mut background)
+        {
+            planes.used[noise.plane] += &format!("; {words}");
+        }
+        done.planes_used.extend(planes.used);
         let image = StreakImage {
             plane: &plane,
             background: &background,

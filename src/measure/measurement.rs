@@ -156,7 +156,8 @@ pub struct StreakMeasurement {
     pub rate: Estimate,
     /// Part of the error of `rate` that the error of the satellite's size causes.
     pub size_sigma: f64,
-    /// Part of the error of `rate` that the form and the width of the point spread function cause, if others fit better.
+    /// Part of the error of `rate` that the form and the width of the point spread function cause, if others fit better,
+    /// and the accuracy of the fit.
     pub form_sigma: f64,
     /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
     pub rate_limit: f64,

@@ -1,10 +1,12 @@
 //! Errors of a measured streak: the scatter of control fits, which are fits of the same template at both sides of the
 //! streak; the error of its offset across the track; and the bias of its flux because its position is fitted.
 
-use super::background::median_and_sigma;
+use super::background::{Background, median_and_sigma};
+use super::bad_pixels::StatedNoise;
 use super::band::Band;
-use super::fit::{Amplitude, Blocks, combined, fit_blocks_where};
+use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks_where};
 use super::stars::StarMask;
+use crate::math::quantile::median;
 
 /// Number of control fits on each side of the streak.
 pub(super) const CONTROLS_A_SIDE: usize = 30;
@@ -18,6 +20,61 @@ const CONTROL_CLIP: f64 = 5.0;
 const INDEPENDENT: f64 = 0.7;
 /// Smallest signal to noise at which offset and angle are fitted.
 pub(super) const REFINED_FROM: f64 = 3.5;
+
+/// Factor within which the noise of a plane agrees with the scatter of the sky.
+const AGREEMENT: f64 = 1.5;
+/// Largest ratio of the noise of a plane to the scatter of the sky that the correlation of pixels explains, as in resampled
+/// frames.
+const MOST_CORRELATION: f64 = 3.0;
+
+/// Compares the noise that a plane states with the scatter of the sky, sets the ratio if it can be used, and returns a
+/// sentence about it; `None` without pixels that have a sky.
+///
+/// Noise in another unit differs by any factor. In resampled frames the pixels scatter by less than their noise, because
+/// neighbouring ones are correlated: the control fits include this, and where there is no space for them the plane is the
+/// better measure.
+pub(super) fn compare_noise(stated: &StatedNoise, background: &mut Background) -> Option<String> {
+    let ratios = stated.pixels.iter();
+    let ratios: Vec<f64> =
+        ratios.filter_map(|(row, column, sigma)| Some(f64::from(*sigma) / background.noise(*row, *column)?)).collect();
+    if ratios.is_empty() {
+        return None;
+    }
+    let ratio = median(ratios);
+    let is_used = (AGREEMENT.recip()..=MOST_CORRELATION).contains(&ratio);
+    background.stated_ratio = is_used.then_some(ratio);
+    Some(if !is_used {
+        format!("its noise is {ratio:.2} times the scatter of the sky and is not used: that of the sky is")
+    } else if ratio > AGREEMENT {
+        format!(
+            "its noise is {ratio:.2} times the scatter of the sky, which resampled pixels have: it is used for streaks \
+             without space for fits beside them, otherwise the scatter of these fits"
+        )
+    } else {
+        "its noise is a lower limit of the errors".to_owned()
+    })
+}
+
+/// Returns the error of the amplitude by the background: that of control fits or, without these, of the pixels, and at
+/// least that of the noise which a plane states, if it agrees. `noise` is that of a pixel of the sky, and its ratio to the
+/// scatter of the sky.
+pub(super) fn background_sigma(
+    controls: Option<f64>,
+    pixel_sigma: f64,
+    noise: Option<(f64, f64)>,
+    (fits, blocks): (&[BlockFit], &Blocks),
+) -> f64 {
+    let weight: f64 = fits.iter().map(|fit| fit.weight).sum();
+    let measured = controls.map_or(pixel_sigma, |sigma| sigma / weight.sqrt());
+    match noise {
+        Some((sigma, ratio)) if pixel_sigma.is_finite() && (controls.is_none() || ratio <= AGREEMENT) => {
+            // σ² = σ_pixel² Σ w² m² / (Σ w m²)² with the weights w of the blocks
+            let squares: f64 = fits.iter().zip(&blocks.weights).map(|(fit, weight)| fit.weight * weight).sum();
+            measured.max(sigma * squares.sqrt() / weight)
+        }
+        _ => measured,
+    }
+}
 
 /// Returns the scatter of fits of the same template beside the streak, multiplied by the square root of their weights;
 /// `None` if there is no space for enough of them.
@@ -92,4 +149,27 @@ pub(super) fn offset_sigma(
     }
     let variance = amplitude.squares / amplitude.freedom * juu / (jj * juu - ju * ju);
     variance.sqrt() / amplitude.value.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without control fits the noise of a plane counts up to three times the scatter of the pixels, with them up to 1.5
+    /// times.
+    #[test]
+    fn verif_the_noise_of_a_plane_is_a_lower_limit() {
+        let fits = [BlockFit { weight: 2.0, ..BlockFit::default() }, BlockFit { weight: 2.0, ..BlockFit::default() }];
+        let mut blocks = Blocks::new(2, 1, 1);
+        let of = |controls, ratio: f64, blocks: &Blocks| {
+            background_sigma(controls, 1.0, Some((2.0 * ratio, ratio)), (&fits, blocks))
+        };
+        // σ = 2 r / √4 for equal weights.
+        assert_eq!([1.2, 2.5].map(|ratio| of(None, ratio, &blocks)), [1.2, 2.5]);
+        assert_eq!([1.2, 2.5].map(|ratio| of(Some(2.0), ratio, &blocks)), [1.2, 1.0]);
+        assert_eq!(of(Some(4.0), 1.2, &blocks), 2.0);
+        blocks.weights = vec![0.25, 0.25];
+        assert_eq!(of(None, 2.5, &blocks), 1.25);
+        assert!(background_sigma(None, f64::NAN, Some((1.0, 1.0)), (&fits, &blocks)).is_nan());
+    }
 }

@@ -153,10 +153,12 @@ fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma
     errors
 }
 
-/// Subtracts the median along the streak at each distance across it.
+/// Subtracts the median along the streak at each distance across it. Where the streak ends, it is reduced with the light
+/// of the streak.
 fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
     let height = band.height;
     let lit: Vec<usize> = (0..band.len()).filter(|column| peaks[*column] > 0.0).collect();
+    let usual = median(lit.iter().map(|column| f64::from(peaks[*column])).collect()) as f32;
     let mut values: Vec<f32> = Vec::with_capacity(lit.len());
     for offset in 0..height {
         let used = lit.iter().map(|column| column * height + offset);
@@ -169,7 +171,7 @@ fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
         let middle = values.len() / 2;
         let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
         for column in &lit {
-            residual[column * height + offset] -= level;
+            residual[column * height + offset] -= level * (peaks[*column] / usual).min(1.0);
         }
     }
 }

@@ -5,7 +5,7 @@ use super::band::Band;
 use super::corridor::Corridor;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
 use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
-use super::noise::{CONTROLS_A_SIDE, REFINED_FROM, controls, offset_sigma, without_fit_bias};
+use super::noise::{CONTROLS_A_SIDE, REFINED_FROM, background_sigma, controls, offset_sigma, without_fit_bias};
 use super::search::{Extent, Found, search};
 use super::stars::{mask_stars, without_streak};
 use crate::error::Error;
@@ -53,6 +53,9 @@ const MASKED_SHARE: f64 = 0.5;
 const WIDTH_TOLERANCE: f64 = 0.2;
 /// Number of sigmas by which another width or form of the profile must fit better than the assumed one.
 const SHAPE_SIGMAS: f64 = 3.0;
+/// Accuracy of the fitted light of a bright streak, relative: narrow streaks that are drawn with exactly the assumed point
+/// spread function are off by up to this.
+const FIT_ACCURACY: f64 = 0.002;
 /// Half of the blocks of a streak must have light: the median of all blocks must exceed this fraction of the threshold
 /// of detection.
 const MEDIAN_SHARE: f64 = 0.4;
@@ -263,8 +266,9 @@ impl Measuring<'_> {
             }
             if matches!(iteration, 1 | 3) && amplitude.value > ENDS_FROM * sigma {
                 fitted_ends = self.ends_inside();
+                let variance = amplitude.squares / amplitude.freedom;
                 for end in &fitted_ends {
-                    self.fit_end(&band, &stars.mask, &blocks, *end, &mut shift)?;
+                    self.fit_end(&band, &stars.mask, &blocks, variance, *end, &mut shift)?;
                 }
             }
             if iteration == 2 && options.fit_width && amplitude.value > WIDTH_FROM * sigma {
@@ -294,13 +298,10 @@ impl Measuring<'_> {
         let controls = controls(&band, &rest, &stars, &drawn.template, &blocks, amplitude.weight, first, step);
         let controls = controls.filter(|_| pixel_sigma.is_finite());
         let mut flags = Vec::new();
-        let background_sigma = match controls {
-            Some(sigma) => sigma / amplitude.weight.sqrt(),
-            None => {
-                flags.push(Flag::PixelNoise);
-                pixel_sigma
-            }
-        };
+        if controls.is_none() {
+            flags.push(Flag::PixelNoise);
+        }
+        let background_sigma = background_sigma(controls, pixel_sigma, self.stated_noise(), (&fits, &blocks));
         let photon = self.photon_variance(&band, &stars.mask, &drawn.template, &blocks, amplitude.value);
         if photon.is_none() {
             flags.push(Flag::NoGain);
@@ -331,7 +332,8 @@ impl Measuring<'_> {
                 flags.push(Flag::Width);
             }
             seeing_arcsec = Some(measured_arcsec);
-            form_sigma = self.form_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, measured_arcsec, noise)?;
+            let form = self.form_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, measured_arcsec, noise)?;
+            form_sigma = form.hypot(FIT_ACCURACY * amplitude.value);
         }
         if is_saturated {
             flags.push(Flag::Saturated);
@@ -578,8 +580,18 @@ impl Measuring<'_> {
         (0..2).filter(is_inside).collect()
     }
 
-    /// Fits one of the given ends along the streak, within its error.
-    fn fit_end(&self, band: &Band, mask: &[bool], blocks: &Blocks, end: usize, shift: &mut Shift) -> Result<(), Error> {
+    /// Fits one of the given ends along the streak, within its error. The sum of squares includes the given position, whose
+    /// error is in units of that of a pixel: ((t - t₀) / σ)² σ_pixel². Where the pixels around the end are masked, the end
+    /// stays near that position.
+    fn fit_end(
+        &self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        variance: f64,
+        end: usize,
+        shift: &mut Shift,
+    ) -> Result<(), Error> {
         let sigma_s = self.predicted.cross_sigma_pix / self.corridor.speed_pix_s;
         let reach_s = END_SIGMAS * sigma_s;
         let moved = |time_s: f64| {
@@ -589,7 +601,7 @@ impl Measuring<'_> {
         };
         let mut failed = None;
         let mut of = |time_s: f64| match self.squares(band, mask, blocks, &moved(time_s)) {
-            Ok(squares) => squares.unwrap_or(f64::NAN),
+            Ok(squares) => squares.unwrap_or(f64::NAN) + variance * (time_s / sigma_s).powi(2),
             Err(error) => {
                 failed = Some(error);
                 f64::NAN
@@ -748,6 +760,15 @@ impl Measuring<'_> {
             }
         }
         Some(if squares > 0.0 { amplitude.max(0.0) * cubes / (gain * squares * squares) } else { 0.0 })
+    }
+
+    /// Returns the noise of a pixel of the sky along the track that a companion plane states, and its ratio to the scatter
+    /// of the sky.
+    fn stated_noise(&self) -> Option<(f64, f64)> {
+        let ratio = self.image.background.stated_ratio?;
+        let along = self.corridor.pixels().filter_map(|[row, column]| self.image.background.noise(row, column));
+        let scatter: Vec<f64> = along.collect();
+        (!scatter.is_empty()).then(|| (ratio * median(scatter), ratio))
     }
 
     /// Returns true if more than the fraction `SATURATED_SHARE` of the streak's length has saturated pixels.

@@ -94,6 +94,10 @@ fn invalid_streaks_give_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let region = path(&folder, "a.reg");
     std::fs::write(&region, "fk5\ncircle(1,2,3\")\n").unwrap();
+    let pixels = path(&folder, "pixels.reg");
+    std::fs::write(&pixels, "fk5\nline(1,2,3,4)\nimage\nline(1,2,3,4)\n").unwrap();
+    let none = path(&folder, "none.reg");
+    std::fs::write(&none, "fk5\n").unwrap();
     let shutter = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
     let with = |words: &[&'static str]| [words.to_vec(), shutter.to_vec()].concat();
     #[cfg_attr(not(unix), allow(unused_mut))]
@@ -127,6 +131,8 @@ fn invalid_streaks_give_one_line() {
         ),
         ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: unsupported shape 'circle'"),
         (with(&["--region", "missing.reg"]), "missing.reg"),
+        ([vec!["--region", &pixels], shutter.to_vec()].concat(), "line 4: missing frame of a region in image"),
+        ([vec!["--region", &none], shutter.to_vec()].concat(), "none.reg: number of regions is 0; allowed: 1 or more"),
     ];
     #[cfg(unix)]
     cases.extend([
@@ -315,6 +321,23 @@ fn streaks_of_tables_and_detectors_are_identified() {
     for table in [&astride, &findsat] {
         assert_eq!(identified(table, &["--image", &frame]), [("7".to_owned(), ids[0])]);
     }
+    // Regions of DS9 in pixels and on the sky, in one file: the streak of each, and the line through both.
+    let regions = path(&folder, "a.reg");
+    let [from_x, from_y, to_x, to_y] = line(0);
+    let [ra1, dec1, ra2, dec2] = [0, 1, 2, 3].map(|coordinate| sky_ends[coordinate][0]);
+    let length = (to_x - from_x).hypot(to_y - from_y);
+    let angle_deg = (to_y - from_y).atan2(to_x - from_x).to_degrees();
+    let text = format!(
+        "image\n# vector({from_x},{from_y},{length},{angle_deg}) text={{7}}\nicrs\nline({ra1},{dec1},{ra2},{dec2}) # text={{8}}\n"
+    );
+    std::fs::write(&regions, text).unwrap();
+    let both = ["7", "8"].map(|name| (name.to_owned(), ids[0]));
+    assert_eq!(identified(&regions, &["--image", &frame]), both);
+    let (_, found, error) = run(&[
+        &["identify", "--region", &regions, "--image", &frame, "--top", "1", "--format", "csv"],
+        &satellites[..4],
+    ]);
+    assert_eq!(numbers(&records(&found), "norad_id"), [ids[0]], "{error}");
     // A frame in which the detector found nothing is no error.
     std::fs::write(&astride, format!("{names}\n")).unwrap();
     let (code, table, error) =

@@ -255,6 +255,32 @@ fn verif_invalid_tables_name_file_row_column_and_allowed_values() {
     }
 }
 
+/// A size without a distance has no angle.
+#[test]
+fn verif_the_size_of_satellites_needs_the_distance_of_each_streak() {
+    let folder = TempDir::new().unwrap();
+    let (frame, table, output) = (plain(&folder), path(&folder, "rows.csv"), path(&folder, "out.fits"));
+    let injected = |text: &str| {
+        fs::write(&table, format!("x1_pix,y1_pix,x2_pix,y2_pix,magnitude{text}")).unwrap();
+        let words = ["inject", "--image", &frame, "-o", &output, "--streaks", &table, "--satellite-size", "4"];
+        run(&[&words, SEEING, &["--no-noise"]])
+    };
+    for (text, line) in
+        [("\n1,2,90,40,9\n", 2), (",fwhm_pix\n1,2,90,40,9,4\n", 2), (",range_km\n1,2,90,40,9,500\n1,9,90,49,9,\n", 3)]
+    {
+        let (code, _, error) = injected(text);
+        let words = format!("line {line}: --satellite-size is 4 m; allowed: with range_km in each row");
+        assert!(code == 2 && error.contains(&words), "{text}: {error}");
+    }
+    assert_eq!(injected(",range_km\n1,2,90,40,9,500\n").0, 0);
+    // Streaks that are measured may have no distance.
+    let words = ["measure", &output, "--streaks", &table, "--satellite-size", "4", "--seeing", "2.5arcsec"];
+    let warning = "--satellite-size has no effect";
+    assert!(!run(&[&words]).2.contains(warning));
+    fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix\n1,2,90,40\n").unwrap();
+    assert!(run(&[&words]).2.contains(warning));
+}
+
 /// Returns true if a position is in a polygon.
 fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));

@@ -189,6 +189,30 @@ fn verif_an_image_draws_streaks_of_its_shape_with_all_of_their_light() {
     assert!(frame.added(&["--psf", &fine, "--psf-oversampling", "2"]) != found);
 }
 
+/// A streak is on its line wherever the star is in its image, of an odd or even number of pixels, also with an oversampling.
+#[test]
+fn verif_the_centroid_of_an_image_is_on_the_line() {
+    let frame = Frame::new();
+    let file = frame.path("star.fits");
+    for (sides, star, step) in [
+        ([31, 31], [15.0, 17.0], 1.0),
+        ([32, 30], [15.5, 14.5], 1.0),
+        ([40, 41], [17.3, 22.6], 1.0),
+        ([80, 80], [39.5, 39.5], 4.0),
+        ([91, 80], [39.5, 36.0], 2.0),
+    ] {
+        let light = (0..sides[0] * sides[1]).map(|at| {
+            let [x, y] = [(at % sides[0]) as f64 - star[0], (at / sides[0]) as f64 - star[1]];
+            (-0.5 * (x * x + y * y) / (1.5 * step * 1.5 * step)).exp() as f32
+        });
+        fs::write(&file, image(&sides, light, &[card("OVERSAMP", step)])).unwrap();
+        let [sum, middle, width] = half(&frame.added(&["--psf", &file]), 1);
+        println!("{sides:?} {star:?} {step}: {sum} {middle} {width}");
+        assert!((sum / counts() - 1.0).abs() < FLUX && (middle - 200.4).abs() < 5e-3, "{sides:?}: {middle}");
+        assert!((width - 1.5).abs() < 0.05, "{sides:?}: {width}");
+    }
+}
+
 #[test]
 fn verif_a_file_of_psfex_changes_with_the_position() {
     let frame = Frame::new();
@@ -253,7 +277,11 @@ fn verif_images_reach_the_frame_from_outside() {
         &["--seeing", "60arcsec", "--pixels-only", "--quiet"],
     ]);
     let file = frame.path("flat.fits");
-    fs::write(&file, image(&[SIDE, SIDE], std::iter::repeat_n(1.0, SIDE * SIDE), &[])).unwrap();
+    // A square of light, around which the border has none.
+    let whole = SIDE + 2;
+    let is_lit = |at: usize| [at / whole, at % whole].iter().all(|side| (1..=SIDE).contains(side));
+    let square = (0..whole * whole).map(|at| f32::from(u8::from(is_lit(at))));
+    fs::write(&file, image(&[whole, whole], square, &[])).unwrap();
     let with_streak = |x: f64| {
         fs::write(frame.path("two.csv"), format!("x1_pix,y1_pix,x2_pix,y2_pix,peak\n{x},5,{x},35,10\n")).unwrap();
         frame.added(&["--psf", &file])
@@ -313,17 +341,21 @@ fn invalid_point_spread_functions_give_one_line() {
         (image(&[3, 3], (0..9).map(|at| if at == 4 { f32::NAN } else { 1.0 }), &[]), "NaN; allowed: finite"),
         (image(&[3, 3], ones(9).map(|one| -one), &[]), "sum of the point spread function is -9; allowed: above 0"),
         (image(&[3, 3], (0..9).map(|at| if at == 4 { 8.0001 } else { -1.0 }), &[]), "above 0.1 of the sum"),
-        (image(&[4, 3], ones(12), &[]), "4 by 3 pixels; allowed: odd numbers"),
+        (image(&[5, 5], ones(25), &[]), "border of the point spread function is 100.0 % of its peak (median); allowed"),
+        (image(&[31, 31], gaussian(31, [2.0, 2.0]).map(|value| value + 0.02), &[]), "is 2.0 % of its peak"),
         (image(&[3, 3, 3], ones(27), &[]), "missing; allowed: an image with two axes"),
-        (image(&[1027, 3], ones(3081), &[]), "1027 by 3 pixels; allowed: odd numbers up to 1025"),
-        (image(&[1001, 3], ones(3003), &[]), "1001 pixels of the frame; allowed: at most 513"),
-        (image(&[3, 3], ones(9), &[card("OVERSAMP", 2.5)]), "is 2.5; allowed: a whole number"),
+        (image(&[1027, 3], ones(3081), &[]), "1027 by 3 pixels; allowed: sides up to 1025"),
+        (
+            image(&[1001, 3], (0..3003).map(|at| if at == 1501 { 1.0 } else { 0.0 }), &[]),
+            "1001 pixels of the frame; allowed: at most 513",
+        ),
+        (image(&[21, 21], gaussian(21, [2.0, 2.0]), &[card("OVERSAMP", 2.5)]), "is 2.5; allowed: a whole number"),
         (b"no FITS file".to_vec(), "psf.fits"),
     ] {
         fs::write(&file, bytes).unwrap();
         rejected(&frame, &["--psf", &file], words);
     }
-    fs::write(&file, image(&[3, 3], ones(9), &[])).unwrap();
+    fs::write(&file, image(&[21, 21], gaussian(21, [2.0, 2.0]), &[])).unwrap();
     rejected(&frame, &["--psf", &file, "--seeing", "1arcsec"], "--seeing");
     rejected(&frame, &["--psf", &file, "--psf-oversampling", "0"], "is 0; allowed: a whole number from 1 to 16");
     rejected(&frame, &["--psf", "gaussian", "--seeing", "1arcsec", "--psf-oversampling", "2"], "allowed: with a file");

@@ -6,8 +6,9 @@ use std::path::Path;
 use crate::common::cli::{done, path, published_constellation, run};
 use crate::common::injected::{SKY, unrounded, values};
 use serde_json::Value;
-use streakcast::identify::parse_regions;
-use streakcast::images::{Card, FrameFile, Header, ImageValues, NewImage, PixelPosition, Pixels, Wcs, write_frame};
+use streakcast::images::{
+    Card, FrameFile, Header, ImageValues, NewImage, Outline, PixelPosition, Pixels, Wcs, parse_regions, write_frame,
+};
 use tempfile::TempDir;
 
 // Required bounds, set before the first run.
@@ -80,8 +81,13 @@ fn verif_injected_streaks_are_masked_in_all_outputs() {
         wcs.to_sky(PixelPosition { x: 20.0, y: 30.0 }),
         Wcs::from_header(&header(&frame, 0)).unwrap().to_sky(PixelPosition { x: 20.0, y: 30.0 })
     );
-    let outlines: Vec<Vec<PixelPosition>> =
-        outlines.iter().map(|outline| outline.iter().map(|corner| wcs.to_pixel(*corner).unwrap()).collect()).collect();
+    let outlines: Vec<Vec<PixelPosition>> = outlines
+        .into_iter()
+        .map(|region| match region.outline {
+            Outline::Sky(corners) => corners.into_iter().map(|corner| wcs.to_pixel(corner).unwrap()).collect(),
+            Outline::Pixels(corners) => panic!("{corners:?}"),
+        })
+        .collect();
     let is_inside = |x: f64, y: f64, outline: &[PixelPosition]| {
         (0..outline.len()).all(|index| {
             let (a, b) = (outline[index], outline[(index + 1) % outline.len()]);

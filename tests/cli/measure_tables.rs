@@ -263,6 +263,85 @@ fn given_widths_are_used_as_they_are() {
     assert_eq!(measured(",range_km,size_m", ",900,3", &["--seeing", "90arcsec"]).2, Some(3.0));
 }
 
+/// Noise planes are a lower limit of the errors if they agree with the scatter of the sky; masks of known instruments and
+/// inverse variances of 0 remove pixels.
+#[test]
+fn verif_planes_of_noise_and_quality_are_used() {
+    use streakcast::images::{Header, ImageValues, NewImage, Pixels, write_frame};
+    const SIDE: usize = 400;
+    /// Noise of the frame, and light of the streak in a pixel of its length.
+    const SIGMA: f64 = 10.0;
+    let folder = TempDir::new().unwrap();
+    let (frame, table) = (path(&folder, "planes.fits"), path(&folder, "ends.csv"));
+    fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix\n41,201,361,201\n").unwrap();
+    let sky = "CTYPE1  = 'RA---TAN'\nCTYPE2  = 'DEC--TAN'\nCRVAL1  = 10.0\nCRVAL2  = 20.0\nCRPIX1  = 200.5\n\
+               CRPIX2  = 200.5\nCDELT1  = -0.0002777778\nCDELT2  = 0.0002777778\n";
+    let light = |row: usize, column: usize| {
+        let across = row as f64 - 200.0;
+        let is_lit = (40..=360).contains(&column);
+        if is_lit { 60.0 * (-0.5 * across * across / 1.44).exp() } else { 0.0 }
+    };
+    let noisy: Vec<f64> = (0..SIDE * SIDE)
+        .map(|at| 100.0 + light(at / SIDE, at % SIDE) + SIGMA * normal(at / SIDE, 2 * (at % SIDE)))
+        .collect();
+    // Pixels that scatter less than their noise, because each is the mean of four.
+    let resampled: Vec<f64> = (0..SIDE * SIDE)
+        .map(|at| {
+            let near = [at, at + 1, at + SIDE, at + SIDE + 1].map(|near| noisy[near.min(SIDE * SIDE - 1)]);
+            near.iter().sum::<f64>() / 4.0
+        })
+        .collect();
+    let measured = |pixels: &[f64], name: &str, cards: &str, plane: &dyn Fn(usize) -> f64| {
+        let values = |values: Vec<f32>| ImageValues::new(SIDE, Pixels::F32(values.into())).unwrap();
+        let science = values(pixels.iter().map(|value| *value as f32).collect());
+        let more = values((0..SIDE * SIDE).map(|at| plane(at % SIDE) as f32).collect());
+        let of = |more: &str| Header::from_text(&format!("{sky}{more}")).cards().to_vec();
+        let header =
+            of(&format!("DATE-OBS= '2024-08-14T03:30:00'\nEXPTIME = 30.0\nMAGZERO = 30.0\nGAIN    = 2.0\n{cards}"));
+        let plain = of("");
+        let image = |name, cards, values| NewImage { name, values, cards, rice: None };
+        write_frame(std::path::Path::new(&frame), &[image("SCI", &header, &science), image(name, &plain, &more)])
+            .unwrap();
+        let words = ["measure", &frame, "--streaks", &table, "--seeing", "2.83arcsec", "--psf", "gaussian"];
+        let (code, found, stderr) = run(&[&words, &["--format", "csv"]]);
+        let rows = records(&found);
+        assert_eq!((code, column(&rows, "detected")[0].as_str()), (0, "true"), "{name}: {stderr}");
+        (numbers(&rows, "flux_sigma")[0], stderr)
+    };
+    let (usual, stated) = measured(&noisy, "NONE", "", &|_| 1.0);
+    assert!(!stated.contains("noise"), "{stated}");
+    // The noise of the frame, and that of a frame with 1.4 times its noise, in all three forms.
+    let more = 1.4 * SIGMA;
+    for (name, least, most) in [
+        ("VAR", more * more, SIGMA * SIGMA),
+        ("IVAR", 1.0 / (more * more), 1.0 / (SIGMA * SIGMA)),
+        ("ERR", more, SIGMA),
+    ] {
+        let (sigma, stderr) = measured(&noisy, name, "", &|_| most);
+        assert!((1.0..1.25).contains(&(sigma / usual)), "{name}: {sigma} {usual}");
+        assert!(stderr.contains(&format!("({name}): 0 bad pixels")) && stderr.contains("lower limit"), "{stderr}");
+        let (sigma, _) = measured(&noisy, name, "", &|_| least);
+        assert!((1.2..1.6).contains(&(sigma / usual)), "{name}: {sigma} {usual}");
+    }
+    // Resampled pixels: the plane is that of the pixels before. Other units.
+    let (correlated, _) = measured(&resampled, "NONE", "", &|_| 1.0);
+    let (sigma, stderr) = measured(&resampled, "VAR", "", &|_| SIGMA * SIGMA);
+    assert!(sigma == correlated && stderr.contains("times the scatter of the sky, which resampled"), "{stderr}");
+    let (sigma, stderr) = measured(&noisy, "VAR", "", &|_| 40.0 * SIGMA * SIGMA);
+    assert!(sigma == usual && stderr.contains("is not used: that of the sky is"), "{stderr}");
+    // No information on 60 % of the columns, and on all.
+    let (_, stderr) = measured(&noisy, "IVAR", "", &|column| if column < 240 { 0.0 } else { 0.01 });
+    assert!(stderr.contains(&format!("(IVAR): {} bad pixels", 240 * SIDE)), "{stderr}");
+    let (_, stderr) = measured(&noisy, "IVAR", "", &|_| 0.0);
+    assert!(stderr.contains("(IVAR) is not used: 160000 of 160000 pixels would be bad"), "{stderr}");
+    // Bits of quality: hot pixels of WFC3, among cosmic rays.
+    let bits = |column: usize| if column < 100 { 16.0 } else { 8192.0 };
+    let (_, stderr) = measured(&noisy, "DQ", "TELESCOP= 'HST'\nINSTRUME= 'WFC3'\n", &bits);
+    assert!(stderr.contains(&format!("(DQ): {} bad pixels (HST WFC3: bits", 100 * SIDE)), "{stderr}");
+    let (_, stderr) = measured(&noisy, "DQ", "", &bits);
+    assert!(stderr.contains("(DQ) is not used: its bits are described neither by"), "{stderr}");
+}
+
 /// The reason why a streak in the frame is not measured does not depend on the error of its ends.
 #[test]
 fn short_and_masked_streaks_are_not_outside() {

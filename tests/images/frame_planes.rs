@@ -128,6 +128,19 @@ fn images_that_overlap_a_frame_are_planes_and_other_exposures_are_frames() {
     let dated = |day: u32| format!("{}DATE-OBS= '2026-08-{day}T03:14:59'\n", sky(10.0));
     assert_eq!(roles(&[("OBS_A", dated(22)), ("OBS_B", dated(23))]).expect("roles").frames, [0, 1]);
     assert_eq!(roles(&[("G", dated(22)), ("MODEL", dated(22))]).expect("roles").frames, [0]);
+    // Maps that another program dated, and templates of earlier nights.
+    for name in ["SEGM", "BKG", "TEMPLATE", "SCI_BKG", "REF_IMAGE", "MASK", "VAR", "EXPMAP"] {
+        let found = roles(&[("SCI", dated(22)), (name, dated(23))]).expect("roles");
+        assert_eq!((found.frames, found.companions[0].of), (vec![0], Some(0)), "{name}");
+    }
+    assert_eq!(roles(&[("TEMPLATE", dated(21)), ("SCI", dated(22))]).expect("roles").frames, [1]);
+    for two in [["SCI", "IMAGE"], ["SKY1", "SKY2"], ["SCI_1", "SCI_2"]] {
+        assert_eq!(roles(&[(two[0], dated(22)), (two[1], dated(23))]).expect("roles").frames, [0, 1], "{two:?}");
+    }
+    for two in [["", ""], ["SCI", "BANANA"], ["SCI", ""]] {
+        let error = roles(&[(two[0], dated(22)), (two[1], dated(23))]).expect_err("unclear");
+        assert!(error.contains("--hdu 0, --hdu 1 or --hdu 0,1"), "{two:?}: {error}");
+    }
     // The next chip of a mosaic overlaps by two columns.
     assert_eq!(roles(&[("S28", sky(10.0)), ("N4", sky(10.0015))]).expect("roles").frames, [0, 1]);
 }

@@ -834,6 +834,63 @@ fn given_streaks_beside_each_other_do_not_take_the_same_light() {
     }
 }
 
+/// Given ends are fitted where the light of a bright streak ends, and stay near the given position if bad pixels hide it.
+#[test]
+fn verif_given_ends_of_bright_streaks_are_where_their_light_ends() {
+    /// Largest error of an end, and of one that bad pixels hide, pixels. The error of the given ends is 3 pixels.
+    const END_PIX: f64 = 0.3;
+    const HIDDEN_PIX: f64 = 2.0;
+    const RATE: f64 = 84_000.0;
+    let (rows, columns) = (160, 600);
+    let optics = Optics { form: SeeingForm::Gaussian, seeing_arcsec: 2.4, outer_radius_m: 0.0, inner_radius_m: 0.0 };
+    let profile = optics.profile(600.0, 0.0, 1.0, 1.0).unwrap();
+    for seed in 0..40 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let (y, rise) = (60.0 + 3.0 * normal(), 40.0 + 10.0 * normal());
+        let at = |time_s: f64| PixelPosition { x: 59.0 + 16.0 * time_s, y: y + rise * time_s / EXPOSURE_S };
+        let line = |[from_s, to_s]: [f64; 2], rate: f64| {
+            StreakPath::new([from_s, to_s].map(|time_s| PathNode::new(time_s, at(time_s), rate)).to_vec()).unwrap()
+        };
+        let mut plane = Plane::zeros(rows, columns);
+        draw(&line([0.0, EXPOSURE_S], RATE), &profile, rows, columns).add_to(&mut plane);
+        let is_hidden = seed % 4 == 0;
+        if is_hidden {
+            // Bad pixels around the end.
+            let end = at(EXPOSURE_S);
+            for row in 0..rows {
+                for column in 0..columns {
+                    if end.distance(PixelPosition { x: column as f64, y: row as f64 }) < 8.0 {
+                        plane.row_mut(row)[column] = f32::NAN;
+                    }
+                }
+            }
+        }
+        for value in plane.values_mut() {
+            let mean = f64::from(*value) + 150.0;
+            *value = (mean + normal() * mean.sqrt()) as f32;
+        }
+        let predicted = PredictedStreak {
+            path: line([-0.8, EXPOSURE_S + 0.8], 1.0),
+            drift_pix_s: [0.0; 2],
+            lateness_sigma_s: 0.0,
+            largest_delay_s: 0.0,
+            ends_s: Some([0.0, EXPOSURE_S]),
+            cross_sigma_pix: 3.0,
+            range_km: 600.0,
+            radius_m: 0.0,
+            radius_sigma_m: 0.0,
+        };
+        let measured = measure(&plane, &LightArea::whole(rows, columns), &predicted, &optics, &options()).unwrap();
+        let [first, last] = measured.ends_in_frame();
+        let errors_pix = [first.distance(at(0.0)), last.distance(at(EXPOSURE_S))];
+        let ratio = measured.rate.value / RATE - 1.0;
+        println!("seed {seed}: ends {errors_pix:.2?}, flux {ratio:.5} +- {:.5}", measured.rate.sigma / RATE);
+        assert!(errors_pix[0] < END_PIX && errors_pix[1] < if is_hidden { HIDDEN_PIX } else { END_PIX }, "seed {seed}");
+        assert!(is_hidden || ratio.abs() < 5.0 * measured.rate.sigma / RATE, "seed {seed}: {ratio}");
+    }
+}
+
 #[test]
 fn a_constant_frame_has_no_limit() {
     for level in [0.0, 1.0, 1000.7] {

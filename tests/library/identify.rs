@@ -6,9 +6,8 @@ use hifitime::Epoch;
 use streakcast::elements::{Keep, ReadOptions, Satellites};
 use streakcast::frames::{Direction, EopTable, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
-use streakcast::identify::{
-    Identified, IdentifyOptions, MeasuredStreak, Timing, fit_line, identify_streak, parse_regions,
-};
+use streakcast::identify::{Identified, IdentifyOptions, MeasuredStreak, Timing, fit_line, identify_streak};
+use streakcast::images::{Outline, parse_regions};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 
@@ -62,7 +61,12 @@ fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
         let number: usize = file.split('-').nth(1).unwrap().parse().unwrap();
         numbers.insert(number);
         let (name, passage) = rows[number];
-        let line = fit_line(&parse_regions(file, &std::fs::read_to_string(path).unwrap()).unwrap()).unwrap();
+        let regions = parse_regions(file, &std::fs::read_to_string(path).unwrap()).unwrap().into_iter();
+        let outlines = regions.map(|region| match region.outline {
+            Outline::Sky(corners) => corners,
+            Outline::Pixels(corners) => panic!("{file}: {corners:?}"),
+        });
+        let line = fit_line(&outlines.collect::<Vec<_>>()).unwrap();
         let time = (seconds_after(passage, -15.0), 30.0);
         let streak =
             MeasuredStreak::from_ends(line.ends, time, Timing::Within, 0.5 * line.half_width_rad, 1.0).unwrap();

@@ -67,6 +67,40 @@ def test_options_change_the_mask(frame, model):
     assert not faint.mask.any() and "too faint" in faint.left_out["reason"][0]
 
 
+@pytest.mark.parametrize("form", ["qtable", "dict"])
+def test_measured_streaks_are_masked_where_they_are(frame, model, binary, tmp_path, form):
+    data, header = fits.getdata(frame, header=True)
+    measured = model.measure(frame, seeing="90arcsec", table=form)
+    assert np.any(measured.table["detected"])
+    path, output = tmp_path / "measured.ecsv", tmp_path / "mask.fits"
+    model.measure(frame, seeing="90arcsec").table.write(path)
+    command = [binary, "mask", frame, "-o", output, "--seeing", "90arcsec", "--measured", path, *SATELLITES, "--quiet"]
+    subprocess.run(command, check=True)
+    expected = fits.getdata(output) > 0
+    predicted = model.mask(frame, seeing="90arcsec").mask
+    assert (expected != predicted).any()
+    for table in (path, [path], measured, measured.table):
+        masked = model.mask(frame, seeing="90arcsec", measured=table)
+        np.testing.assert_array_equal(masked.mask, expected)
+        assert "measured)" in masked.summary
+    # A frame in memory, and the measurement of the same frame; the model has no measured streaks afterwards.
+    of_array = model.measure(data, header=header, seeing="90arcsec", table=form)
+    masked = model.mask(data, header=header, seeing="90arcsec", measured=of_array)
+    np.testing.assert_array_equal(masked.mask, expected)
+    np.testing.assert_array_equal(model.mask(frame, seeing="90arcsec").mask, predicted)
+
+
+def test_measured_streaks_of_other_frames_are_named(frame, model, tmp_path):
+    table = model.measure(frame, seeing="90arcsec", table="dict").table
+    table["image"] = np.array(["other.fits"] * len(table["image"]))
+    with pytest.warns(streakcast.StreakcastWarning, match="measured streak") as warned:
+        model.mask(frame, seeing="90arcsec", measured=table)
+    assert not any("streakcast-" in str(one.message) for one in warned)
+    with pytest.raises(streakcast.StreakcastError, match="^measured: ") as failed:
+        model.mask(frame, seeing="90arcsec", measured={"image": ["sky.fits"]})
+    assert "streakcast-" not in str(failed.value)
+
+
 def test_invalid_arguments_are_named(frame, model):
     data = np.zeros((20, 30), "float32")
     for options, message in (

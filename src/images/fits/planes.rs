@@ -90,6 +90,38 @@ const KINDS: &[(&str, PlaneKind)] = &[
 /// Parts of words that mark planes in combined names, such as `CHIPMASK` or `BADFLAGS`.
 const PARTS: [&str; 5] = ["MASK", "VARIANCE", "WEIGHT", "IVAR", "FLAG"];
 
+/// Words in names of images that belong to a frame of another time, such as the template of a difference, or that have a
+/// date of their own because another program wrote them.
+const MAPS: [&str; 27] = [
+    "AREA",
+    "BACK",
+    "BACKGROUND",
+    "BGD",
+    "BKG",
+    "BKGD",
+    "CON",
+    "CONTEXT",
+    "COV",
+    "DARK",
+    "DIFF",
+    "DIFFERENCE",
+    "EXPOSUREMAP",
+    "FLAT",
+    "MODEL",
+    "OBJECTS",
+    "REF",
+    "REFERENCE",
+    "RESIDUAL",
+    "SEG",
+    "SEGM",
+    "SEGMENTATION",
+    "SKY",
+    "SNR",
+    "TEMPLATE",
+    "TEMPL",
+    "TMPL",
+];
+
 /// Names of images of the sky.
 const SCIENCE: [&str; 5] = ["SCI", "SCIENCE", "IMAGE", "DATA", "IMG"];
 
@@ -118,10 +150,12 @@ impl FrameImages {
     /// Determines the roles of the images of a file.
     ///
     /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless both have
-    /// the name of a science image with another number or EXTVER, or the image has a start of its own. The same holds
-    /// for an image of another shape or scale whose centre is in an earlier frame, or that contains the centre of one:
-    /// a binned copy, a background or a preview. Names of masks, variances and weights, and HDUCLAS2 of errors and
-    /// flags, mark companion planes of any shape. Images with the names of distortion tables are never frames.
+    /// the name of a science image with another number or EXTVER. If it has a start of its own, it is a companion plane
+    /// with the name of a background, a template or another map, a frame with a name like that of the earlier one, and
+    /// ambiguous otherwise. An image of another shape or scale whose centre is in an earlier frame, or that contains the
+    /// centre of one, is a companion plane, too, unless it has a start of its own: a binned copy, a background or a preview.
+    /// Names of masks, variances and weights, and HDUCLAS2 of errors and flags, mark companion planes of any shape. Images
+    /// with the names of distortion tables are never frames.
     ///
     /// # Errors
     /// An image that can be both a frame and a companion plane, because neither its name nor its world coordinates
@@ -293,12 +327,24 @@ impl Image {
     }
 
     /// Returns the role of an image that has the pixels of an earlier frame or overlaps it.
-    fn role_beside(&self, frame: &Self) -> Role {
+    fn role_beside<'a>(&'a self, frame: &'a Self) -> Role {
         let has_same_sky = self.sky.is_some() && frame.sky.is_some() && self.has_pixels_of(frame);
-        if !self.date.is_empty() && !frame.date.is_empty() && self.date != frame.date {
-            return Role::Frame;
-        }
         let is_science = |image: &Self| SCIENCE.contains(&stem(&image.name));
+        if !self.date.is_empty() && !frame.date.is_empty() && self.date != frame.date {
+            let first_word = |image: &'a Self| words_of(&image.name).next();
+            let is_alike = first_word(self).is_some() && first_word(self) == first_word(frame);
+            return if is_map(&self.name) && !is_map(&frame.name) {
+                Role::Plane
+            } else if is_alike || is_science(self) && is_science(frame) {
+                Role::Frame
+            } else if is_map(&frame.name) && is_science(self) {
+                Role::FrameInstead
+            } else if self.has_pixels_of(frame) {
+                Role::Unclear
+            } else {
+                Role::Frame
+            };
+        }
         let has_other_version = match (self.version, frame.version) {
             (Some(own), Some(other)) => own != other,
             _ => false,
@@ -339,9 +385,18 @@ fn stem(name: &str) -> &str {
     name.trim_end_matches(|c: char| c.is_ascii_digit() || "_-[], ".contains(c))
 }
 
+fn words_of(name: &str) -> impl Iterator<Item = &str> {
+    name.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty())
+}
+
+/// Returns true for the name of an image that is a companion plane whatever its date.
+fn is_map(name: &str) -> bool {
+    words_of(name).any(|word| MAPS.contains(&word))
+}
+
 /// Returns the content that a name states; `None` for other names.
 fn kind_of(name: &str) -> Option<PlaneKind> {
-    let words: Vec<&str> = name.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty()).collect();
+    let words: Vec<&str> = words_of(name).collect();
     let kinds = words.iter().filter_map(|word| KINDS.iter().find(|(known, _)| known == word));
     match kinds.map(|(_, kind)| *kind).next() {
         // A part of a variance, such as VAR_POISSON, is not the variance.

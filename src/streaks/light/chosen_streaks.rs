@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::given_streaks::{GivenColumns, GivenStreak};
+use super::given_streaks::{GivenColumns, GivenStreak, GivenWidth};
 use super::modulation::LightCurve;
 use crate::error::Error;
 use crate::images::{Bounded, StreakRow, StreakTable};
@@ -89,6 +89,18 @@ impl ChosenStreaks {
         }
         let names = [&GivenColumns::NAMES[..], &["magnitude", "peak", "light_curve"]].concat();
         Ok(Self { path: path.to_owned(), streaks, remarks: table.remarks(&names) })
+    }
+
+    /// Checks that each row has a distance, without which a size of the satellites, m, has no angle.
+    ///
+    /// # Errors
+    /// A row has no range_km.
+    pub fn check_distances(&self, size_m: f64) -> Result<(), Error> {
+        let without = |streak: &&ChosenStreak| !matches!(streak.given.width, GivenWidth::Distance { .. });
+        self.streaks.iter().find(without).map_or(Ok(()), |streak| {
+            let allowed = "with range_km in each row, which gives the angle";
+            Err(streak.given.invalid("--satellite-size", format!("{size_m} m"), allowed))
+        })
     }
 }
 

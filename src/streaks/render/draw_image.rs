@@ -122,8 +122,8 @@ struct StampFrame {
 
 impl StampFrame {
     fn new(psf: &PsfGrid) -> Self {
-        let [rows, columns] = psf.size;
-        let before = [columns, rows].map(|count| ((0.5 * (count as f64 - 1.0) + 1.0) * psf.step_pix).ceil() as i64);
+        let [rows, columns] = psf.reach();
+        let before = [columns, rows].map(|reach| ((reach + 1.0) * psf.step_pix).ceil() as i64);
         Self { before, size: before.map(|half| 2 * half as usize + 2) }
     }
 
@@ -131,7 +131,7 @@ impl StampFrame {
     fn values(&self, psf: &PsfGrid, samples: &[f64], phase: [i64; 2]) -> Vec<f64> {
         let [rows, columns] = psf.size;
         let axis = |axis: usize, count: usize| -> Vec<Vec<(usize, f64)>> {
-            let (middle, half) = (0.5 * (count as f64 - 1.0), self.before[axis]);
+            let (middle, half) = (psf.star[1 - axis], self.before[axis]);
             let star = phase[axis] as f64 / PHASES as f64;
             (-half..=half + 1).map(|pixel| weights(count, (pixel as f64 - star) / psf.step_pix + middle)).collect()
         };
@@ -218,12 +218,13 @@ pub fn image_width_pix(psf: &PsfGrid, at: PixelPosition, angle_rad: f64) -> Opti
     let samples = psf.at(at)?;
     let [rows, columns] = psf.size;
     let (sin, cos) = angle_rad.sin_cos();
-    let half = (rows.max(columns) as f64 * 0.75).ceil();
+    let [up, right] = psf.reach();
+    let half = up.hypot(right).ceil();
     // Light in strips along the line that are as wide as the distance of the samples.
     let mut strips = vec![0.0; 2 * half as usize + 2];
     for row in 0..rows {
         for column in 0..columns {
-            let [dx, dy] = [(column, columns), (row, rows)].map(|(at, count)| at as f64 - 0.5 * (count as f64 - 1.0));
+            let (dx, dy) = (column as f64 - psf.star[1], row as f64 - psf.star[0]);
             let across = dy * cos - dx * sin + half;
             let (first, share) = (across.floor(), across.fract());
             let value = samples[row * columns + column];

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -12,14 +13,17 @@ import numpy.typing as npt
 from . import _core
 from ._frames import as_files
 from ._injection import _angle, _integers, _scalar, _without_none
-from ._measure import MeasureQueries
+from ._measure import MeasureQueries, Measurements
 from ._quantities import finite_scalar, scalar
 from ._setup import document
+from ._streak_tables import streak_files
 from ._tables import Main, table_of
-from .typing import FloatLike, FrameLike, HeaderLike, Json, Options, Output, PathLike, Table, TimeLike, WholeLike
+from .typing import (
+    FloatLike, FrameLike, HeaderLike, Json, Options, Output, PathLike, StreaksLike, Table, TimeLike, WholeLike,
+)  # fmt: skip
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from astropy.nddata import NDData
     from astropy.units import Quantity
@@ -81,12 +85,12 @@ class MaskQueries(MeasureQueries):
         zero_point_1s: FloatLike | None = None,
         band: str | None = None,
         telescope: PathLike | Options | None = None,
+        measured: StreaksLike | Sequence[PathLike] | Measurements | None = None,
         table: Output = "auto",
     ) -> StreakMask:
         """Masks the streaks of the satellites in a frame; the result is identical to that of ``streakcast mask``.
 
-        If the model has ``measured``, tables of ``streakcast measure``, the streaks of a file that were found are masked
-        where they are.
+        With ``measured``, the streaks of the frame that were found are masked where they are.
 
         Parameters
         ----------
@@ -123,6 +127,10 @@ class MaskQueries(MeasureQueries):
             Band of the magnitudes; default: filter in the header, or else the model's band.
         telescope : path or dict, optional
             Preset name or TOML file, for seeing and defocus; default: that of the model.
+        measured : Measurements, path, list of paths, or table, optional
+            Result of `measure` for the same frame, its table, or files with tables of ``streakcast measure``; default:
+            ``measured`` of the model. A table belongs to the frame with the same file name; all frames in memory have the
+            name ``frame``.
         table : {"auto", "qtable", "dict"}
             Form of the tables, as for `flags`.
 
@@ -158,17 +166,29 @@ class MaskQueries(MeasureQueries):
         if exposure is not None:
             request["exposure"] = f"{scalar(exposure, 's', 'exposure')!r}s"
         camera = {"telescope": telescope, "band": band, "min_probability": min_probability}
-        setup = {**self._state["setup"], **document(camera)}
-        sky_cache, _ = self._open()
-        with as_files([frame], header) as files:
+        tables = measured.table if isinstance(measured, Measurements) else measured
+        with streak_files(cast("StreaksLike | None", tables), "measured") as paths, as_files([frame], header) as files:
+            model = self
+            if paths:
+                # The measured streaks also correct the predictions of the sky.
+                setup = {**self._state["setup"], "measured": [*paths]}
+                model = self._of_state({**self._state, "setup": setup, "files": None})
+            sky_cache, _ = model._open()
+            setup = {**model._state["setup"], **document(camera)}
             request["image"] = [*files.paths]
             result = _core.mask(json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache)
-        self._warn_once([files.shown(message) for message in result["warnings"]])
+            # The folder of a temporary table.
+            folder = os.path.dirname(paths[0]) + os.sep if paths and os.path.basename(paths[0]) == "measured" else ""
+
+        def shown(text: str) -> str:
+            return files.shown(text.replace(folder, ""))
+
+        self._warn_once([shown(message) for message in result["warnings"]])
         return StreakMask(
             masks=result["masks"],
             streaks=table_of(files.named(result["streaks"]), table, main=_STREAKS),
             left_out=table_of(files.named(result["left_out"]), table),
             summary=result["summary"],
-            remarks=tuple(files.shown(remark) for remark in result["remarks"]),
+            remarks=tuple(shown(remark) for remark in result["remarks"]),
             frame=None if files.images[0] is None else files.images[0].masked(next(iter(result["masks"].values()))),
         )

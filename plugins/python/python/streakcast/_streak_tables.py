@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, cast
 
+import numpy as np
+
 from ._frames import is_path
 from ._quantities import is_of, is_quantity
 from ._setup import absolute
@@ -16,10 +18,10 @@ from .typing import PathLike, StreaksLike
 
 
 @contextmanager
-def streak_files(streaks: StreaksLike | Sequence[PathLike] | None) -> Iterator[list[str]]:
+def streak_files(streaks: StreaksLike | Sequence[PathLike] | None, name: str = "streaks") -> Iterator[list[str]]:
     """Writes a table that is not a path to a temporary file, which exists inside the context; no file for `None`.
 
-    Errors name the table ``streaks`` instead of the temporary file.
+    Errors name the table ``name`` instead of the temporary file.
     """
     if streaks is None:
         yield []
@@ -31,7 +33,7 @@ def streak_files(streaks: StreaksLike | Sequence[PathLike] | None) -> Iterator[l
         yield [absolute(cast("PathLike", one)) for one in streaks]
         return
     with tempfile.TemporaryDirectory(prefix="streakcast-") as folder:
-        path = os.path.join(folder, "streaks")
+        path = os.path.join(folder, name)
         _write(streaks, path)
         try:
             yield [path]
@@ -75,5 +77,5 @@ def _rows(streaks: object) -> list[dict[str, Any]]:
 def _cell(value: Any, name: str) -> Any:
     if is_quantity(value):
         raise TypeError(f"{name} of a streak is a Quantity; allowed: a number in the unit of the column, or a table with units")
-    # NaN marks a missing number, as in tables of astropy.
-    return "" if value is None or value != value else value
+    # NaN marks a missing number, as in tables of astropy, and so does a mask.
+    return "" if value is None or value is np.ma.masked or value != value else value
