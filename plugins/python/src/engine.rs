@@ -442,7 +442,8 @@ impl Engine {
             self.telescope.as_ref().map_or(f64::NAN, width)
         };
         let telescope = self.telescope.as_ref().filter(|_| light.is_computed);
-        let bright_streaks = telescope.map(|telescope| BrightStreaks::new(telescope, sky, light.band));
+        let bright_streaks =
+            telescope.map(|telescope| BrightStreaks::new(telescope, sky, light.band, self.photometry.band));
         // Unknown brightness is that of the prior.
         let or_prior = |track: &SatelliteTrack, middle: &SatelliteSnapshot, brightness: Option<&Brightness>| {
             let prior = || sky.prior_brightness(track.element_index, &middle.point.geometry, &self.photometry);

@@ -75,7 +75,8 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
         stated.push((format!("{}, ...", names[0]), site));
     }
     // Names of several sites, and of sites that are part of an unknown name.
-    let (mut networks, mut hints): (Vec<(String, Vec<&Site>)>, Vec<(String, Vec<&Site>)>) = Default::default();
+    let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
+    let mut hints: Vec<(String, Vec<&Site>)> = Vec::new();
     for keyword in NAMES {
         // WISE in capitals is the telescope in space, and Wise a site on the Earth.
         let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| text != "WISE") else { continue };
