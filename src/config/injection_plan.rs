@@ -151,7 +151,7 @@ impl InjectionConfig {
         }
         let chosen = self.streaks.as_deref().map(ChosenStreaks::read).transpose()?;
         let satellite_size_m = checked_size(self.satellite_size)?;
-        if let (Some(size_m), Some(chosen)) = (satellite_size_m, &chosen) {
+        if let (Some(size_m), Some(chosen)) = (satellite_size_m.filter(|size_m| *size_m > 0.0), &chosen) {
             chosen.check_distances(size_m)?;
         }
         let (detector, gain_of_file) = match self.detector.as_deref().map(read_detector).transpose()? {

@@ -239,7 +239,8 @@ impl MeasureConfig {
                 pass.prediction.satellite.range_km.is_some() && pass.prediction.image_fwhm_arcsec.is_none()
             })
         };
-        if satellite_size_m.is_some() && !self.streaks.is_empty() && !rows.iter().any(has_distance) {
+        let is_measured = rows.iter().any(|row| row.measured.is_ok());
+        if satellite_size_m.is_some_and(|size_m| size_m > 0.0) && is_measured && !rows.iter().any(has_distance) {
             warnings.push(
                 "--satellite-size has no effect: no streak has a distance, from range_km or from its satellite"
                     .to_owned(),

@@ -148,6 +148,12 @@ impl Site {
         found.or_else(|| Self::all().find(is_code)).into_iter().collect()
     }
 
+    /// Returns the site with exactly this name or alias, which may not be an MPC code or the beginning of a name.
+    pub(crate) fn with_key(name: &str) -> Option<&'static Self> {
+        let key = key_of(name);
+        table().iter().find(|entry| entry.keys.contains(&key)).map(|entry| &entry.site)
+    }
+
     /// Returns the distance from another site, km, in a straight line.
     pub(crate) fn distance_km(&self, other: &Self) -> f64 {
         (self.itrs() - other.itrs()).norm_km()

@@ -48,8 +48,9 @@ pub(super) fn remove_bad_pixels(
 ) -> Result<StatedPixels, Error> {
     let mut stated = StatedPixels::default();
     for companion in companions.iter().filter(|companion| companion.of == Some(hdu)) {
-        let headers = [file.header(companion.hdu)?, file.header(0)?];
-        let Some(rule) = Rule::from_headers(companion, headers) else { continue };
+        // The primary HDU of a compressed file is empty.
+        let headers = [file.header(companion.hdu)?, file.header(hdu)?, file.header(0)?];
+        let Some(rule) = Rule::from_headers(companion, &headers) else { continue };
         let [rows, columns] = file.image_size(companion.hdu)?;
         let (mut bad, mut is_boolean, mut pixels) = (Vec::with_capacity(rows * columns), true, Vec::new());
         for first in (0..rows).step_by(ROWS) {
@@ -118,9 +119,10 @@ struct KnownBits {
 /// Bits of cosmic rays, streaks and detected sources, and of pixels with a valid calibration, are left out.
 const KNOWN_BITS: [KnownBits; 5] = {
     // ACS Data Handbook (2022), table 3.4; WFC3 Data Handbook (2024), table 3.3: decoding error, filled, bad, hot, bad
-    // in bias or reference, full well, bad in flat or blob, saturated.
-    const HST: u64 = 1 | 2 | 4 | 16 | 128 | 256 | 512 | 2048;
-    const HST_WORDS: &str = "bits 1, 2, 4, 16, 128, 256, 512, 2048";
+    // in bias or reference, full well, bad in flat or blob. 2048 is saturation of the converter in ACS and WFC3/UVIS, and
+    // valid light in WFC3/IR; saturated pixels have 256 too.
+    const HST: u64 = 1 | 2 | 4 | 16 | 128 | 256 | 512;
+    const HST_WORDS: &str = "bits 1, 2, 4, 16, 128, 256, 512";
     [
         KnownBits { name: "HST ACS", telescope: "HST", instrument: "ACS", plane: "DQ", bits: HST, words: HST_WORDS },
         KnownBits { name: "HST WFC3", telescope: "HST", instrument: "WFC3", plane: "DQ", bits: HST, words: HST_WORDS },
@@ -165,12 +167,12 @@ enum Rule {
 }
 
 impl Rule {
-    /// Returns the rule of a plane with these headers: its own, and that of the file.
-    fn from_headers(plane: &CompanionPlane, headers: [&Header; 2]) -> Option<Self> {
+    /// Returns the rule of a plane with these headers: its own, that of the chip, and that of the file.
+    fn from_headers(plane: &CompanionPlane, headers: &[&Header]) -> Option<Self> {
         let own = headers[0];
         let bit = |keyword: &&str| own.integer(keyword).and_then(|bit| u32::try_from(bit).ok()).filter(|bit| *bit < 53);
         let text = |keyword: &str| {
-            headers.into_iter().find_map(|header| header.text(keyword)).unwrap_or_default().to_ascii_uppercase()
+            headers.iter().find_map(|header| header.text(keyword)).unwrap_or_default().to_ascii_uppercase()
         };
         let is_known = |known: &KnownBits| {
             (known.telescope.is_empty() || text("TELESCOP") == known.telescope)
@@ -221,7 +223,7 @@ mod tests {
 
     fn rule(name: &str, kind: PlaneKind, cards: &str) -> Rule {
         let plane = CompanionPlane { hdu: 1, name: name.to_owned(), of: Some(0), kind };
-        Rule::from_headers(&plane, [&Header::default(), &Header::from_text(cards)]).unwrap()
+        Rule::from_headers(&plane, &[&Header::default(), &Header::from_text(cards)]).unwrap()
     }
 
     #[test]

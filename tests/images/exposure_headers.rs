@@ -516,7 +516,7 @@ fn verif_dates_of_the_night_and_remarks() {
         ("DATE-OBS= '2026-08-21'\nUT      = '00:00:10' / end", "on the day before the date"),
         (
             "DATE-OBS= '2026-08-22' / UT date at end of exposure\nUT      = '23:59:40' / UT at start",
-            "with the end on the day after the date",
+            "which is that of the middle or the end",
         ),
         ("DATE-OBS= '2026-08-21' / UT date at start of night\nUT      = '03:14:59'", "date of the evening"),
         ("DATE-OBS= '2026-08-21'\nUT-DATE = '2026-08-22'\nUT      = '03:14:59'", "UT-DATE is 2026-08-22"),
@@ -689,6 +689,9 @@ fn verif_other_readings_of_a_header_are_stated() {
         "DARKTIME= 38.8 / Total elapsed time (sec)",
         "DARKTIME= 30.0",
         "ABORTED = F",
+        "CANABORT= T",
+        "AIRMASS = 1.31 / actual airmass at start of exposure",
+        "TIMEREF = 'LOCAL'",
         "EXPREQ  = 30.0 / requested exposure time",
         "CLOCK   = 'GPS'",
         "APMEDJD = 2461274.6 / Median JD used in abs phot cal",

@@ -19,8 +19,8 @@ SUN_EDGES_DEG = (-90.0, -18.0, -15.0, -12.0, 0.0)
 UNJUDGED = ("unknown", "invalid")
 #: Radius of the LSST camera's field of view, degrees.
 FIELD_RADIUS_DEG = 1.75
-#: Columns of ``observations`` and of ``streak_flags`` that are read.
-OBSERVATIONS = ("fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime", "sunAlt")
+#: Columns of ``observations``, with their units or formats in astropy, and of ``streak_flags`` that are read.
+OBSERVATIONS = {"fieldRA": "deg", "fieldDec": "deg", "observationStartMJD": "mjd", "visitExposureTime": "s", "sunAlt": "deg"}
 FLAGS = ("verdict", "n_streaks", "expected_lost_pixel_fraction", "streak_cost_s")
 
 #: Name of the lost fraction of pixels in the tables of `streakcast.dask`.
@@ -36,8 +36,8 @@ def survey_summary(annotated: Annotated, *, sun_edges_deg: Sequence[float] = SUN
     Parameters
     ----------
     annotated : path or sequence of tables
-        Database that `annotate` or ``streakcast annotate`` wrote; or the visits given to `streakcast.dask.annotate`, and
-        what `streakcast.dask.read` and, optionally, `streakcast.dask.read_streaks` return.
+        Database that `annotate` or ``streakcast annotate`` wrote; or the visits given to `streakcast.dask.annotate`, with
+        the columns of an opsim database, and what `streakcast.dask.read` and, optionally, `streakcast.dask.read_streaks` return.
     sun_edges_deg : sequence of float
         Ascending borders of the bins in ``sunAlt``, the altitude of the Sun, degrees.
 
@@ -88,8 +88,8 @@ def survey_maps(annotated: Annotated, *, nside: int = 64, field_radius_deg: floa
     Parameters
     ----------
     annotated : path or sequence of tables
-        Database that `annotate` or ``streakcast annotate`` wrote; or the visits given to `streakcast.dask.annotate`, and
-        what `streakcast.dask.read` and, optionally, `streakcast.dask.read_streaks` return.
+        Database that `annotate` or ``streakcast annotate`` wrote; or the visits given to `streakcast.dask.annotate`, with
+        the columns of an opsim database, and what `streakcast.dask.read` and, optionally, `streakcast.dask.read_streaks` return.
     nside : int
         Resolution of the maps.
     field_radius_deg : float
@@ -211,17 +211,22 @@ def _of_database(path: Path) -> tuple[dict[str, Sequence[Any]], Optional[dict[st
 
 def _of_tables(visits: Columns, flags: Columns, streaks: Optional[Columns] = None) -> tuple[dict[str, Sequence[Any]], Optional[dict[str, float]]]:
     """Returns the same from the tables of `streakcast.dask`."""
-    band = "band" if "band" in visits else "filter"
+    names = set(visits.keys())
+    band = "band" if "band" in names else "filter"
     of_flags = {name: OF_DASK.get(name, name) for name in FLAGS}
-    missing = [name for name in (*OBSERVATIONS, band) if name not in visits]
+    missing = [name for name in (*OBSERVATIONS, band) if name not in names]
     missing += [name for name in ("visit", *of_flags.values()) if name not in flags]
     missing += [name for name in ("visit", "probability", "p_bright") if streaks is not None and name not in streaks]
     if missing:
         raise ValueError(f"missing column {', '.join(missing)}")
     rows = np.asarray(flags["visit"], dtype=int)
     columns: dict[str, Sequence[Any]] = {"observationId": rows.tolist()}
-    for name, of_visits in {**dict.fromkeys(OBSERVATIONS), "band": band}.items():
-        columns[name] = np.asarray(visits[of_visits or name])[rows].tolist()
+    for name, unit in OBSERVATIONS.items():
+        column = visits[name]
+        if getattr(column, "unit", None) is not None:
+            column = getattr(column, "quantity", column)
+        columns[name] = np.asarray(column.to_value(unit) if hasattr(column, "to_value") else column)[rows].tolist()
+    columns["band"] = np.asarray(visits[band])[rows].tolist()
     for name, of_flag in of_flags.items():
         columns[name] = np.ma.asarray(flags[of_flag]).tolist()
     of_streaks = None if streaks is None else [np.ma.asarray(streaks[name]).tolist() for name in ("visit", "probability", "p_bright")]

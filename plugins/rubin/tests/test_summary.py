@@ -5,8 +5,11 @@ import sqlite3
 import healpy
 import numpy as np
 import pytest
+from astropy import units as u
+from astropy.table import QTable
 from streakcast_rubin import survey_maps, survey_summary
 
+UNITS = {"fieldRA": u.deg, "fieldDec": u.deg, "sunAlt": u.deg, "visitExposureTime": u.s}
 #: Visits: start (MJD), RA, dec, exposure, altitude of the Sun, band, verdict, number of streaks, lost pixels, cost.
 VISITS = [
     (61_400.1, 10.0, -30.0, 30.0, -20.0, "r", "clear", 0, 0.0, 0.0),
@@ -73,6 +76,11 @@ def test_tables_of_dask_give_the_same(annotated):
     ]:
         for name, column in expected.items():
             np.testing.assert_array_equal(found[name], column, err_msg=name)
+    table = QTable({name: column * UNITS[name] if name in UNITS else column for name, column in visits.items()})
+    table["visitExposureTime"] = table["visitExposureTime"].to("min")
+    of_table = survey_summary((table, flags, streaks))
+    for name, column in survey_summary(annotated).items():
+        np.testing.assert_allclose(of_table[name], column, err_msg=name) if name != "band" else None
     assert np.isnan(survey_summary((visits, flags))["bright_fraction"]).all()
     with pytest.raises(ValueError, match="missing column sunAlt"):
         survey_summary(({name: visits[name] for name in names if name != "sunAlt"}, flags))

@@ -48,7 +48,7 @@ const PHRASES: &[(Role, &[&str])] = &[
 ];
 /// Beginnings of names of the exposure time in formulas, and a half of it before and after such a name.
 const LENGTHS: &[&str] = &["exp", "texp", "t_exp", "xpos", "itime", "integ", "dur", "telapse", "dit"];
-const HALVES_BEFORE: &[&str] = &["0.5*", "1/2*", "1/2", "0.5x", ".5*", "half*"];
+const HALVES_BEFORE: &[&str] = &["0.5*", "1/2*", "+1/2", "0.5x", ".5*", "half*"];
 const HALVES_AFTER: &[&str] = &["/2", "*0.5", "*.5"];
 /// Phrases in which a word of a part or of a zone qualifies something else.
 const OTHER_MEANINGS: &[&str] = &[
@@ -277,7 +277,11 @@ impl Comment {
             return true;
         }
         // "UTC minus 7 hours", "not UTC"
-        if self.has_pair(UNIVERSAL, "minus plus") || self.has_pair("not", UNIVERSAL) {
+        let is_denied = || {
+            let others = self.words().filter(|word| lists(UNIVERSAL, word) || lists("tai iat tt tdt tdb gps", word));
+            self.has_pair("not", UNIVERSAL) && others.count() == 1
+        };
+        if self.has_pair(UNIVERSAL, "minus plus") || is_denied() {
             return true;
         }
         let is_universal = self.has(UNIVERSAL);
@@ -500,11 +504,14 @@ fn has_half(joined: &str) -> bool {
     })
 }
 
-/// Returns true if a text without blanks is a sum of another keyword, as in `date-beg+exptime`.
+/// Returns true if a text without blanks is the sum of another keyword and a name, as in `date-beg+exptime`, but not
+/// `mjd-obs+exptime/172800`.
 fn is_sum(joined: &str) -> bool {
     let rest = joined.trim_start_matches(['(', '[', '=']);
     let name = rest.find(|c: char| c != '-' && !c.is_ascii_alphanumeric()).map_or(rest, |end| &rest[..end]);
-    name.contains('-') && rest[name.len()..].starts_with('+')
+    let Some(added) = rest[name.len()..].strip_prefix('+') else { return false };
+    let end = added.trim_start_matches(|c: char| c == '_' || c.is_ascii_alphabetic());
+    name.contains('-') && (end.is_empty() || end.starts_with(['(', ')', ']', ',', ';']))
 }
 
 /// Returns true if a word of a part qualifies the time or the exposure, false if it may, and `None` if it does not. The
@@ -598,6 +605,10 @@ mod tests {
             ("frame 1/2, exposure 1/20 s", Ok(None)),
             ("DATE-BEG + EXPTIME", Ok(Some(Role::End))),
             ("MJD-OBS + texp", Ok(Some(Role::End))),
+            ("MJD-OBS + EXPTIME/172800", Ok(None)),
+            ("UTC start of 1/2 exposures", Ok(Some(Role::Start))),
+            ("start of exposure (TAI, not UTC)", Ok(Some(Role::Start))),
+            ("UTC, not UT1", Ok(None)),
             ("UTC minus 7 hours", Err("a local time")),
             ("camera clock not UTC", Err("a local time")),
             ("JD, mean equinox", Ok(None)),

@@ -39,7 +39,7 @@ const APPROXIMATE: &str = "APPROXIMATE";
 const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
 
 /// Beginnings of keywords of the clock, whose value may be "local".
-const CLOCKS: &[&str] = &["CLOCK", "CLK", "TIMETYP", "TIMEBAS", "TIMEREF", "TIMESRC"];
+const CLOCKS: &[&str] = &["CLOCK", "CLK", "TIMETYP", "TIMEBAS", "TIMESRC"];
 
 /// Keywords of errors of times, and of an offset (FITS standard 4.0, section 9.4).
 const TIME_ERRORS: &[&str] = &["TIMEOFFS", "TIMSYER", "TIMRDER"];
@@ -460,16 +460,21 @@ fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<Strin
 }
 
 /// Returns the error of a date and a time of day of different parts of the exposure that are perhaps on different days:
-/// the start is on the day before, and nothing states that the date is that of the start; or the end is on the day after,
-/// and the date is that of the end.
+/// the start is on the day before, and nothing states that the date is that of the start; or the date is that of the middle
+/// or the end, which is on the day after.
 fn day_problem(instant: &Instant, duration_s: f64) -> Option<Error> {
     let (midnight, part) = instant.day?;
     let start = start_of(instant, duration_s);
-    let is_before = start.epoch < midnight && part != Some(Role::Start);
-    let is_after = seconds_between(midnight, start.epoch) + duration_s >= DAY_S && part == Some(Role::End);
+    let is_before = start.epoch < midnight && part != Some(Role::Start) && part != Some(instant.role);
+    let late_s = match part {
+        Some(Role::Middle) => duration_s / 2.0,
+        Some(Role::End) => duration_s,
+        _ => 0.0,
+    };
+    let is_after = seconds_between(midnight, start.epoch) + late_s >= DAY_S;
     let given = match (is_before, is_after) {
-        (true, _) => "on the day before the date",
-        (_, true) => "with the end on the day after the date, which is that of the end",
+        (true, _) => "on the day before the date, by the exposure time",
+        (_, true) => "on the day before the date, which is that of the middle or the end",
         _ => return None,
     };
     let given = format!("{} {given}", start.epoch.round(1.milliseconds()));

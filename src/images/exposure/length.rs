@@ -374,7 +374,9 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
     };
     let is_true = |name: &str, comment: &Comment| {
         TRUE_TIMES.iter().any(|known| is_spelling(known, name))
-            || (comment.has(TRUE) && comment.has("exposure exptime integration") && !comment.has(OF_CALIBRATION))
+            || (comment.has(TRUE)
+                && (comment.has("exptime") || comment.has_pair("exposure integration", "time duration length"))
+                && !comment.has(OF_CALIBRATION))
     };
     let is_doubtful = |card: &&Card| {
         let (name, comment) = (card.keyword(), Comment::new(&card.comment()));
@@ -402,7 +404,7 @@ fn aborted(keywords: Keywords<'_>) -> Option<(String, String)> {
     keywords.cards().find_map(|card| {
         let name = card.keyword();
         let value = match card.value()? {
-            CardValue::Logical(true) if name.contains("ABORT") => "T".to_owned(),
+            CardValue::Logical(true) if name.starts_with("ABORT") => "T".to_owned(),
             CardValue::Text(text) if Comment::new(&text).has(ABORTED) && !text.contains(' ') => format!("{text:?}"),
             _ => return None,
         };

@@ -88,11 +88,7 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
             // "CTIO 1.0 meter telescope": the first word must not contradict another name.
             [] => {
                 let word = text.split([' ', ',', '/']).next().unwrap_or_default();
-                if let [site] = Site::candidates(word).as_slice()
-                    && word.bytes().any(|byte| byte.is_ascii_alphabetic())
-                {
-                    hints.push((shown, vec![site]));
-                }
+                hints.extend(Site::with_key(word).map(|site| (shown, vec![site])));
             }
             [site] => stated.push((shown, (*site).clone())),
             sites => networks.push((shown, sites.to_vec())),
@@ -284,6 +280,9 @@ mod tests {
         }
         assert_eq!(of("TELESCOP= 'Bok 2.3m'\nOBSERVAT= 'KPNO'\n").unwrap().unwrap().name, "Kitt Peak");
         assert_eq!(of("TELESCOP= 'Bok 2.3m'\n").unwrap(), None);
+        for text in ["TELESCOP= 'T17 iTelescope'\n", "SITE    = 'Dome 2'\n", "TELESCOP= 'South 0.4m'\n"] {
+            assert_eq!(of(&format!("{text}OBSERVAT= 'KPNO'\n")).unwrap().unwrap().name, "Kitt Peak", "{text}");
+        }
         assert!(error("OBSERVAT= 'LCO'\n").contains("Las Campanas"));
         assert_eq!(of("TELESCOP= 'Magellan'\nOBSERVAT= 'LCO'\n").unwrap().unwrap().name, "Las Campanas");
         // The telescope in space, and the observatory on the Earth.

@@ -249,6 +249,9 @@ impl FrameImages {
     }
 }
 
+/// Largest difference of MJD-OBS of one exposure, days: 0.1 s.
+const SAME_MJD_DAY: f64 = 1e-6;
+
 /// One image with the properties that determine its role.
 struct Image {
     hdu: usize,
@@ -257,8 +260,9 @@ struct Image {
     class: Option<PlaneKind>,
     size: [usize; 2],
     version: Option<i64>,
-    /// DATE-OBS and MJD-OBS as written; empty if both are missing.
-    date: String,
+    /// DATE-OBS, without zeros at the end of its seconds, and MJD-OBS.
+    date: Option<String>,
+    mjd: Option<f64>,
     sky: Option<Wcs>,
     /// Keywords of invalid world coordinates; empty if they are valid or missing.
     invalid_sky: String,
@@ -287,11 +291,13 @@ impl Image {
             name: if is_by_type { of_type } else { name },
             class: kind_of_class(header),
             size: file.image_size(hdu)?,
-            date: ["DATE-OBS", "MJD-OBS"]
-                .into_iter()
-                .filter_map(|keyword| header.card(keyword))
-                .map(|card| card.text())
-                .collect(),
+            date: header.text("DATE-OBS").map(|date| match date.split_once('.') {
+                Some((whole, fraction)) => {
+                    format!("{whole}.{fraction}").trim_end_matches(['0', 'Z']).trim_end_matches('.').to_owned()
+                }
+                None => date.trim_end_matches('Z').to_owned(),
+            }),
+            mjd: header.number("MJD-OBS"),
             version: header.integer("EXTVER"),
             sky: sky.ok(),
             invalid_sky,
@@ -326,11 +332,19 @@ impl Image {
         has_centre_of(self, frame) || has_centre_of(frame, self)
     }
 
+    /// Returns true if the images state different dates.
+    fn has_other_date(&self, other: &Self) -> bool {
+        match (&self.date, &other.date) {
+            (Some(own), Some(other)) => own != other,
+            _ => self.mjd.zip(other.mjd).is_some_and(|(own, other)| (own - other).abs() > SAME_MJD_DAY),
+        }
+    }
+
     /// Returns the role of an image that has the pixels of an earlier frame or overlaps it.
     fn role_beside<'a>(&'a self, frame: &'a Self) -> Role {
         let has_same_sky = self.sky.is_some() && frame.sky.is_some() && self.has_pixels_of(frame);
         let is_science = |image: &Self| SCIENCE.contains(&stem(&image.name));
-        if !self.date.is_empty() && !frame.date.is_empty() && self.date != frame.date {
+        if self.has_other_date(frame) {
             let first_word = |image: &'a Self| words_of(&image.name).next();
             let is_alike = first_word(self).is_some() && first_word(self) == first_word(frame);
             return if is_map(&self.name) && !is_map(&frame.name) {

@@ -272,7 +272,8 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f6
 fn rotation_deg(header: &Header, latitude_axis: usize, is_given: bool) -> Result<f64, Error> {
     let [own, other] =
         [latitude_axis, 1 - latitude_axis].map(|axis| header.number(&format!("CROTA{}", axis + 1)).unwrap_or(0.0));
-    if !is_given && other != 0.0 && (own - other).abs() > ROTATION_SLACK_DEG {
+    let apart_deg = ((own - other + 180.0).rem_euclid(360.0) - 180.0).abs();
+    if !is_given && other != 0.0 && apart_deg > ROTATION_SLACK_DEG {
         let given = format!("{other}, but CROTA{} is {own}", latitude_axis + 1);
         let allowed = "the same angle, or none: only that of the declination axis is defined";
         return Err(Error::invalid(format!("CROTA{}", 2 - latitude_axis), given, allowed));
