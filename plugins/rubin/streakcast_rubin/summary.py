@@ -205,7 +205,7 @@ def _of_database(path: Path) -> tuple[dict[str, Sequence[Any]], Optional[dict[st
     except sqlite3.Error as error:
         raise ValueError(f"{path}: {error}") from error
     names = ("observationId", *OBSERVATIONS, "band", *FLAGS)
-    columns = dict(zip(names, zip(*rows) if rows else ((),) * len(names)))
+    columns: dict[str, Sequence[Any]] = dict(zip(names, zip(*rows) if rows else ((),) * len(names)))
     return columns, None if streaks is None else _p_bright(streaks)
 
 

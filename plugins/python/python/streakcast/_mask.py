@@ -171,8 +171,8 @@ class MaskQueries(MeasureQueries):
             model = self
             if paths:
                 # The measured streaks also correct the predictions of the sky.
-                setup = {**self._state["setup"], "measured": [*paths]}
-                model = self._of_state({**self._state, "setup": setup, "files": None})
+                corrected: dict[str, Json] = {**self._state["setup"], "measured": [*paths]}
+                model = self._of_state({**self._state, "setup": corrected, "files": None})
             sky_cache, _ = model._open()
             setup = {**model._state["setup"], **document(camera)}
             request["image"] = [*files.paths]
