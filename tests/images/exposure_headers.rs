@@ -640,6 +640,10 @@ fn verif_other_readings_of_a_header_are_stated() {
         ("TZNAME  = 'MST'", "TZNAME is MST: if it is a local time"),
         ("CLKREF  = 'LOCAL' / clock reference", "CLKREF is LOCAL"),
         ("DURATION= 130.0", "DURATION is 130 s"),
+        (
+            "OPENSHUT= '2026-08-22T03:14:27' / Time when shutter opened (UTC)",
+            "OPENSHUT is 33.0 s earlier than the start",
+        ),
         ("TOTTIME = 600.0", "TOTTIME is 600 s"),
         ("WALLTIME= 600.0", "WALLTIME is 600 s"),
         ("OBS-DUR = 600", "OBS-DUR is 600 s"),
@@ -689,6 +693,7 @@ fn verif_other_readings_of_a_header_are_stated() {
         "DARKTIME= 38.8 / Total elapsed time (sec)",
         "DARKTIME= 30.0",
         "ABORTED = F",
+        "OPENSHUT= '2026-08-22T03:15:01.2' / Time when shutter opened (UTC)",
         "CANABORT= T",
         "AIRMASS = 1.31 / actual airmass at start of exposure",
         "TIMEREF = 'LOCAL'",

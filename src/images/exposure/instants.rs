@@ -93,6 +93,9 @@ const OUTERMOST: &[(Role, &str)] =
     &[(Role::Start, "FIRST"), (Role::Start, "FRST"), (Role::Start, "MIN"), (Role::End, "LAST"), (Role::End, "MAX")];
 const CLOCKS: &[&str] = &["UT", "UTC", "TIME", "DATE", "JD", "MJD", "OBS", "EXP", "DATEOBS", "JDOBS", "MJDOBS"];
 
+/// Keyword of the opening of the shutter (DECam), which is about that of DATE-OBS, but is 33 s earlier in some frames.
+const SHUTTER: &str = "OPENSHUT";
+
 /// Keywords of the date in universal time, beside a date that may be that of the night.
 const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"];
 
@@ -267,8 +270,9 @@ impl Reader<'_> {
                 rest.is_some_and(|rest| CLOCKS.contains(&rest))
             });
             let comment = Comment::new(&card.comment());
+            let outermost = outermost.map(|(role, _)| *role).or((bare == SHUTTER).then_some(Role::Start));
             let role = match (outermost, comment.role(named)) {
-                (Some((role, _)), Ok(_)) if comment.scale().is_ok() => *role,
+                (Some(role), Ok(_)) if comment.scale().is_ok() => role,
                 (None, Ok(Some(role))) if role != Role::Start && comment.scale().is_ok() => role,
                 _ => continue,
             };
