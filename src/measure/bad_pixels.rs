@@ -1,7 +1,10 @@
 //! Bad pixels and noise from the companion planes of a frame: masks, variances and errors.
 
+use super::background::Background;
+use super::noise::AGREEMENT;
 use crate::error::Error;
 use crate::images::{CompanionPlane, FrameFile, Header, Plane, PlaneKind};
+use crate::math::quantile::median;
 
 /// Mask planes of Rubin's pipelines (`MP_` keywords) whose pixels have no valid light. Planes of detected sources,
 /// cosmic rays and streaks also mark the streaks that are measured, and are not used.
@@ -17,6 +20,9 @@ const EXPLICIT: &str = "BADPIX";
 const ROWS: usize = 256;
 /// Distance of the pixels whose noise is compared with the scatter of the sky, along rows and columns.
 const NOISE_STEP: usize = 7;
+/// Largest ratio of the noise of a plane to the scatter of the sky that the correlation of pixels explains, as in resampled
+/// frames.
+const MOST_CORRELATION: f64 = 3.0;
 
 /// What the companion planes of a chip state.
 #[derive(Debug, Default)]
@@ -90,6 +96,34 @@ pub(super) fn remove_bad_pixels(
         }
     }
     Ok(stated)
+}
+
+/// Compares the noise that a plane states with the scatter of the sky, sets the ratio if it can be used, and returns a
+/// sentence about it; `None` without pixels that have a sky.
+///
+/// Noise in another unit differs by any factor. In resampled frames the pixels scatter by less than their noise, because
+/// neighbouring ones are correlated: the control fits include this, and where there is no space for them the plane is the
+/// better measure.
+pub(super) fn compare_noise(stated: &StatedNoise, background: &mut Background) -> Option<String> {
+    let ratios = stated.pixels.iter();
+    let ratios: Vec<f64> =
+        ratios.filter_map(|(row, column, sigma)| Some(f64::from(*sigma) / background.noise(*row, *column)?)).collect();
+    if ratios.is_empty() {
+        return None;
+    }
+    let ratio = median(ratios);
+    let is_used = (AGREEMENT.recip()..=MOST_CORRELATION).contains(&ratio);
+    background.stated_ratio = is_used.then_some(ratio);
+    Some(if !is_used {
+        format!("its noise is {ratio:.2} times the scatter of the sky and is not used: that of the sky is")
+    } else if ratio > AGREEMENT {
+        format!(
+            "its noise is {ratio:.2} times the scatter of the sky, which resampled pixels have: it is used for streaks \
+             without space for fits beside them, otherwise the scatter of these fits"
+        )
+    } else {
+        "its noise is a lower limit of the errors".to_owned()
+    })
 }
 
 /// Returns the noise (one sigma) that a plane states with a value above 0; `None` for planes without noise.

@@ -4,11 +4,10 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::background::Background;
-use super::bad_pixels::remove_bad_pixels;
+use super::bad_pixels::{compare_noise, remove_bad_pixels};
 use super::cut::{StreakCut, streak_cut};
 use super::levels::PixelLevels;
 use super::measurement::{Estimate, Flag, MeasureOptions, StreakImage, StreakMeasurement};
-use super::noise::compare_noise;
 use super::predict::{PredictOptions, Prediction, predictions};
 use super::star_table::CatalogueStar;
 use super::streak::{measure_streak, profile_of};

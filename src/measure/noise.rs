@@ -1,12 +1,10 @@
 //! Errors of a measured streak: the scatter of control fits, which are fits of the same template at both sides of the
 //! streak; the error of its offset across the track; and the bias of its flux because its position is fitted.
 
-use super::background::{Background, median_and_sigma};
-use super::bad_pixels::StatedNoise;
+use super::background::median_and_sigma;
 use super::band::Band;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks_where};
 use super::stars::StarMask;
-use crate::math::quantile::median;
 
 /// Number of control fits on each side of the streak.
 pub(super) const CONTROLS_A_SIDE: usize = 30;
@@ -22,38 +20,7 @@ const INDEPENDENT: f64 = 0.7;
 pub(super) const REFINED_FROM: f64 = 3.5;
 
 /// Factor within which the noise of a plane agrees with the scatter of the sky.
-const AGREEMENT: f64 = 1.5;
-/// Largest ratio of the noise of a plane to the scatter of the sky that the correlation of pixels explains, as in resampled
-/// frames.
-const MOST_CORRELATION: f64 = 3.0;
-
-/// Compares the noise that a plane states with the scatter of the sky, sets the ratio if it can be used, and returns a
-/// sentence about it; `None` without pixels that have a sky.
-///
-/// Noise in another unit differs by any factor. In resampled frames the pixels scatter by less than their noise, because
-/// neighbouring ones are correlated: the control fits include this, and where there is no space for them the plane is the
-/// better measure.
-pub(super) fn compare_noise(stated: &StatedNoise, background: &mut Background) -> Option<String> {
-    let ratios = stated.pixels.iter();
-    let ratios: Vec<f64> =
-        ratios.filter_map(|(row, column, sigma)| Some(f64::from(*sigma) / background.noise(*row, *column)?)).collect();
-    if ratios.is_empty() {
-        return None;
-    }
-    let ratio = median(ratios);
-    let is_used = (AGREEMENT.recip()..=MOST_CORRELATION).contains(&ratio);
-    background.stated_ratio = is_used.then_some(ratio);
-    Some(if !is_used {
-        format!("its noise is {ratio:.2} times the scatter of the sky and is not used: that of the sky is")
-    } else if ratio > AGREEMENT {
-        format!(
-            "its noise is {ratio:.2} times the scatter of the sky, which resampled pixels have: it is used for streaks \
-             without space for fits beside them, otherwise the scatter of these fits"
-        )
-    } else {
-        "its noise is a lower limit of the errors".to_owned()
-    })
-}
+pub(super) const AGREEMENT: f64 = 1.5;
 
 /// Returns the error of the amplitude by the background: that of control fits or, without these, of the pixels, and at
 /// least that of the noise which a plane states, if it agrees. `noise` is that of a pixel of the sky, and its ratio to the
