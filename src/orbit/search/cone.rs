@@ -10,6 +10,10 @@ use crate::frames::{Direction, Gcrs, Position, Rotation, Teme};
 /// Margin added at both ends of the interval in which a satellite may be inside a cone, seconds.
 const NEAR_MARGIN_S: f64 = 0.5;
 
+/// Length of the interval in which a satellite may be inside a cone, as a fraction of the previous one, below which the
+/// interval is computed once more.
+const WORTHWHILE: f64 = 0.8;
+
 /// A field of view over a time interval.
 #[derive(Copy, Clone, Debug)]
 pub struct Cone {
@@ -66,6 +70,7 @@ pub(super) struct ConeTest<'a> {
     cone: &'a Cone,
     observer: Vector3<f64>,
     beam: Beam,
+    window_span_s: f64,
     fraction: f64,
     moved_km: f64,
     scope: SearchScope,
@@ -79,6 +84,7 @@ impl<'a> ConeTest<'a> {
             cone,
             observer: *(gcrs_to_teme * cone.observer).vector(),
             beam: Beam::new(*(gcrs_to_teme * cone.axis).vector(), cone.radius_rad),
+            window_span_s,
             fraction: cone.mid_s / window_span_s,
             moved_km: cone.observer_speed_km_s * cone.half_duration_s,
             scope,
@@ -135,31 +141,66 @@ impl<'a> ConeTest<'a> {
     }
 
     /// Phase test: returns the time during which a satellite that passed the plane test may be inside the cone; `None`
-    /// if it cannot be inside.
+    /// if it cannot be inside. `normal` returns the normal of the orbit plane at a fraction of the window.
     #[inline]
     pub fn inside(
         &self,
         phase: &Phase,
-        normal: &Vector3<f64>,
+        normal: impl Fn(f64) -> Vector3<f64>,
         shadow: Option<&ShadowConeInTeme>,
     ) -> Option<ConePassage> {
-        let half_s = self.cone.half_duration_s + self.delay_s(phase.along_track_s);
         if phase.only_plane {
-            return Some(ConePassage { near_s: [-half_s, half_s], is_dark: false });
+            return Some(self.anywhere(phase.along_track_s));
         }
-        let (position, velocity) = phase.state(normal, self.cone.mid_s, self.fraction);
-        let sight = position - self.observer;
-        // During a time t the satellite departs from its tangent by at most ½ g t², where g is gravity at the
-        // satellite.
-        let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
-        let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
-        let near_s = self.beam.near_s(&sight, &velocity, half_s, slop_km)?;
-        // Ends of the range of positions that a delayed satellite can have inside the cone.
-        let ends = [-half_s, half_s].map(|time_s| position + velocity * time_s);
-        let is_dark = shadow.is_some_and(|shadow| ends.iter().all(|end| shadow.holds(end, slop_km)));
-        let [from_s, to_s] = near_s;
-        let near_s = [from_s - NEAR_MARGIN_S, to_s + NEAR_MARGIN_S].map(|time_s| time_s.clamp(-half_s, half_s));
-        Some(ConePassage { near_s, is_dark })
+        let state = |time_s: f64| {
+            let fraction = time_s / self.window_span_s;
+            Some(phase.state(&normal(fraction), time_s, fraction))
+        };
+        self.inside_by(state, phase.along_track_s, f64::from(phase.slop_km), shadow)
+    }
+
+    /// Returns the whole time in which a delayed satellite may be anywhere.
+    pub fn anywhere(&self, along_track_s: f32) -> ConePassage {
+        let half_s = self.cone.half_duration_s + self.delay_s(along_track_s);
+        ConePassage { near_s: [-half_s, half_s], is_dark: false }
+    }
+
+    /// Returns the time during which a satellite may be inside the cone; `None` if it cannot be inside. `state` returns
+    /// its position and velocity in TEME, km and km/s, with an error of the position of at most `slop_km`, from the time
+    /// after the start of the window in seconds; `None` if they are not known, which may be anywhere.
+    #[inline]
+    pub fn inside_by(
+        &self,
+        state: impl Fn(f64) -> Option<(Vector3<f64>, Vector3<f64>)>,
+        along_track_s: f32,
+        slop_km: f64,
+        shadow: Option<&ShadowConeInTeme>,
+    ) -> Option<ConePassage> {
+        let (mut middle_s, mut half_s) = (0.0, self.cone.half_duration_s + self.delay_s(along_track_s));
+        loop {
+            let Some((position, velocity)) = state(self.cone.mid_s + middle_s) else {
+                return Some(ConePassage { near_s: [middle_s - half_s, middle_s + half_s], is_dark: false });
+            };
+            let sight = position - self.observer;
+            // During a time t the satellite departs from its tangent by at most ½ g t², where g is gravity at the
+            // satellite.
+            let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
+            let total_km = slop_km + bend_km + self.moved_km;
+            let [from_s, to_s] = self.beam.near_s(&sight, &velocity, half_s, total_km)?;
+            let (from_s, to_s) = ((from_s - NEAR_MARGIN_S).max(-half_s), (to_s + NEAR_MARGIN_S).min(half_s));
+            let near_half_s = 0.5 * (to_s - from_s);
+            // With large delays the tangent is a rough approximation, so that the interval is too long. The tangent at
+            // its middle is a better one.
+            if bend_km > slop_km && near_half_s < WORTHWHILE * half_s {
+                middle_s += 0.5 * (from_s + to_s);
+                half_s = near_half_s;
+                continue;
+            }
+            // Ends of the range of positions that a delayed satellite can have inside the cone.
+            let ends = [-half_s, half_s].map(|time_s| position + velocity * time_s);
+            let is_dark = shadow.is_some_and(|shadow| ends.iter().all(|end| shadow.holds(end, total_km)));
+            return Some(ConePassage { near_s: [middle_s + from_s, middle_s + to_s], is_dark });
+        }
     }
 }
 
@@ -288,6 +329,43 @@ mod tests {
         let wide = Beam::new(Vector3::z(), 1.0);
         assert_eq!(wide.near_s(&sight, &velocity, 30.0, 10.0), Some([-30.0, 30.0]));
         assert_eq!(wide.near_s(&-sight, &velocity, 30.0, 10.0), None);
+    }
+
+    /// The interval of a satellite that may be 300 s late contains all times at which its predicted position is inside the
+    /// cone, and hardly more: a tangent over 300 s alone would leave minutes.
+    #[test]
+    fn large_delays_leave_a_short_interval() {
+        let (radius_km, height_km, reach_s) = (6378.0, 550.0_f64, 300.0);
+        let rate_rad_s = (WGS72_MU_KM3_S2 / (radius_km + height_km).powi(3)).sqrt();
+        let identity = Rotation::from_matrix(nalgebra::Matrix3::identity());
+        for (passes_at_s, slop_km) in [(0.0, 1.0), (-290.0, 30.0), (170.0, 0.1), (700.0, 30.0)] {
+            let state = |time_s: f64| {
+                let (sin, cos) = (rate_rad_s * (time_s - 1000.0 - passes_at_s)).sin_cos();
+                let (position, velocity) = (Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0));
+                Some((position * (radius_km + height_km), velocity * (rate_rad_s * (radius_km + height_km))))
+            };
+            let cone = Cone {
+                mid_s: 1000.0,
+                half_duration_s: 15.0,
+                observer: Position::from_vector(Vector3::new(radius_km, 0.0, 0.0)),
+                observer_speed_km_s: 0.46,
+                axis: Direction::from_vector(Vector3::x()),
+                radius_rad: 0.03,
+            };
+            let test = ConeTest::new(&cone, &identity, 6.0 * 3600.0, SearchScope::Delayed);
+            let passage = test.inside_by(state, reach_s as f32, slop_km, None);
+            let Some(ConePassage { near_s: [from_s, to_s], .. }) = passage else {
+                assert!(passes_at_s > reach_s, "{passes_at_s}");
+                continue;
+            };
+            let inside_s = (height_km * cone.radius_rad.tan() + slop_km + test.moved_km()) / 7.6;
+            let ends_s = [passes_at_s - inside_s, passes_at_s + inside_s].map(|time_s| time_s.clamp(-315.0, 315.0));
+            assert!(from_s <= ends_s[0] && to_s >= ends_s[1], "{passes_at_s}: {from_s} to {to_s}, {ends_s:?}");
+            assert!(to_s - from_s < 2.0 * inside_s + 20.0, "{passes_at_s}: {from_s} to {to_s}");
+            // Without a position it may be anywhere.
+            let unknown = test.inside_by(|_| None, reach_s as f32, slop_km, None).expect("anywhere");
+            assert_eq!(unknown.near_s, [-315.0, 315.0]);
+        }
     }
 
     #[test]

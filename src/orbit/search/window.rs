@@ -14,7 +14,8 @@
 //! 2. **Side.** By their mean longitudes, nine in ten of the remaining satellites are on another side of the Earth.
 //! 3. **Phase.** For the rest, the interpolated elements give the velocity, and the position to some 20 km, and hence
 //!    the closest approach to the line of sight during the exposure. One or two in ten thousand satellites pass this
-//!    test. It is skipped for satellites with strong drag and for extreme eccentricities.
+//!    test. It is skipped for satellites with strong drag and for extreme eccentricities, and is done with SGP4's
+//!    positions, without the other tests, for the few that have no elements at one end of the window.
 //!
 //! SGP4 is evaluated only for the satellites that pass. Every margin is conservative: `tests/library/crossings.rs`
 //! compares the result with a search without these tests, and `verif_model_error_is_within_its_margin` compares the
@@ -26,12 +27,13 @@ use rayon::prelude::*;
 
 use super::super::propagator::DECAYED_RADIUS_KM;
 use super::super::state::State;
+use super::cone::{ConePassage, ConeTest, ShadowConeInTeme};
 use super::kepler::Phase;
 use super::kepler::SlowElements;
 use super::side::SWING_PER_ECCENTRICITY;
 use crate::error::Error;
 use crate::frames::{Teme, seconds_between};
-use crate::orbit::propagator::{LeftOut, SatelliteIndex, SearchedPropagator};
+use crate::orbit::propagator::{LeftOut, Propagator, SatelliteIndex, SearchedPropagator};
 use crate::watch::Watch;
 
 /// Longest interval of one window, seconds. During six hours an orbit's node moves by at most 2.5°, and above 250 km
@@ -52,6 +54,10 @@ const POSITION_SLOP: f64 = 8.0e-3;
 
 /// Largest distance due to effects that do not fall with height (lunar and solar terms, resonances), km.
 const POSITION_SLOP_FLOOR_KM: f64 = 6.0;
+
+/// Margin of the positions of satellites that are not interpolated, km. The velocity of a satellite that decays may differ
+/// from the derivative of its position.
+const UNINTERPOLATED_SLOP_KM: f64 = 50.0;
 
 /// Perigee distance below which drag changes the orbit within a window, km; only the plane test is used for these
 /// satellites.
@@ -115,15 +121,38 @@ pub struct Window {
     start: Epoch,
     pub(super) span_s: f64,
     pub(super) chunks: Vec<Chunk>,
-    /// Satellites that are not interpolated and always need SGP4: element index and largest delay searched, seconds.
-    pub(super) always: Vec<(u32, f32)>,
+    /// Satellites that are not interpolated and always need SGP4.
+    pub(super) always: Vec<Uninterpolated>,
     left_out: Vec<LeftOut>,
+}
+
+/// Satellite whose elements cannot be interpolated over a window.
+#[derive(Clone, Debug)]
+pub(super) struct Uninterpolated {
+    pub element_index: u32,
+    reach: Reach,
+    /// Its propagator and the start of the window in minutes after the epoch; `None` with an ephemeris for a part of the
+    /// window.
+    orbit: Option<Box<(Propagator, f64)>>,
+}
+
+impl Uninterpolated {
+    /// Phase test with SGP4's positions.
+    pub fn inside(&self, test: &ConeTest<'_>, shadow: Option<&ShadowConeInTeme>) -> Option<ConePassage> {
+        let state = |time_s: f64| {
+            let (propagator, start_minutes) = self.orbit.as_deref()?;
+            let state = propagator.teme_state(start_minutes + time_s / 60.0).ok()?;
+            Some((*state.position.vector(), *state.velocity.vector()))
+        };
+        let slop_km = UNINTERPOLATED_SLOP_KM + self.reach.cross_track_km;
+        test.inside_by(state, self.reach.along_track_s as f32, slop_km, shadow)
+    }
 }
 
 /// How one satellite is treated in the search.
 enum Kind {
     Regular(Entry),
-    Always,
+    Always(Option<Box<(Propagator, f64)>>),
     LeftOut(Box<Error>),
     Absent,
 }
@@ -159,7 +188,7 @@ impl Window {
                 }
                 let propagator = match index.source_over(element_index, [start, end], MAX_WINDOW_S) {
                     SearchedPropagator::Absent => return Kind::Absent,
-                    SearchedPropagator::Several => return Kind::Always,
+                    SearchedPropagator::Several => return Kind::Always(None),
                     SearchedPropagator::One(propagator) => propagator,
                 };
                 let minutes = propagator.minutes_since_epoch(start);
@@ -167,13 +196,14 @@ impl Window {
                     return Kind::LeftOut(Box::new(reason));
                 }
                 let end_minutes = minutes + span_s / 60.0;
+                let always = || Kind::Always(Some(Box::new((propagator.clone(), minutes))));
                 match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
                     (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
-                        .map_or(Kind::Always, Kind::Regular),
+                        .map_or_else(always, Kind::Regular),
                     // A satellite without a position at either end of the window is left out. If only one end has no
                     // position, SGP4 is evaluated at each time.
                     (Err(error), Err(_)) => Kind::LeftOut(Box::new(error)),
-                    _ => Kind::Always,
+                    _ => always(),
                 }
             })
             .collect();
@@ -184,7 +214,11 @@ impl Window {
         for (element_index, kind) in made.iter().enumerate() {
             match kind {
                 Kind::Regular(entry) => entries.push(entry),
-                Kind::Always => window.always.push((element_index as u32, reach(element_index).along_track_s as f32)),
+                Kind::Always(orbit) => window.always.push(Uninterpolated {
+                    element_index: element_index as u32,
+                    reach: reach(element_index),
+                    orbit: orbit.clone(),
+                }),
                 Kind::LeftOut(reason) => {
                     if let Some(propagator) = index.propagator(element_index) {
                         window.left_out.push(LeftOut {
@@ -318,11 +352,12 @@ impl Chunk {
 
 #[cfg(test)]
 mod tests {
+    use super::super::cone::{Cone, Cones, SearchScope};
     use super::super::side::Cap;
     use super::*;
     use crate::constants::WGS72_MU_KM3_S2;
     use crate::elements::{ElementSet, NoradId, Origin};
-    use crate::frames::seconds_after;
+    use crate::frames::{Direction, Gcrs, Position, Rotation, seconds_after};
     use crate::orbit::DragModel;
 
     fn element_set(norad_id: u32, altitude_km: f64, eccentricity: f64, inclination_deg: f64) -> ElementSet {
@@ -422,6 +457,44 @@ mod tests {
             }
         }
         assert!(checked > 20_000, "only {checked} positions were checked; worst {worst:?}");
+    }
+
+    /// A satellite that decays within the window is found where it passes before, and nowhere else.
+    #[test]
+    fn a_satellite_that_decays_in_the_window_is_found_where_it_is() {
+        let start = Epoch::from_gregorian_utc_at_midnight(2026, 4, 26);
+        let decayed = Some(seconds_after(start, 3.0 * 3600.0));
+        let elements = [ElementSet { decayed, ..element_set(900_000_001, 400.0, 0.001, 53.0) }];
+        let index = SatelliteIndex::new(&elements, DragModel::Published);
+        let end = seconds_after(start, MAX_WINDOW_S);
+        let reach = Reach { along_track_s: 200.0, cross_track_km: 5.0 };
+        let window = Window::new(&index, start, end, &|_| None, &|_| reach, &Watch::default()).unwrap();
+        let propagator = index.propagator(0).expect("made");
+        let to_gcrs = Rotation::<Teme, Gcrs>::from_matrix(nalgebra::Matrix3::identity());
+        // Exposure of 30 s of the position where the satellite passes at `passes_s`, `early_s` before that.
+        let found = |passes_s: f64, early_s: f64| {
+            let minutes = propagator.minutes_since_epoch(start) + passes_s / 60.0;
+            let up = propagator.teme_state(minutes).expect("in orbit").position.vector().normalize();
+            let cone = Cone {
+                mid_s: passes_s - early_s,
+                half_duration_s: 15.0,
+                observer: Position::from_vector(up * DECAYED_RADIUS_KM),
+                observer_speed_km_s: 0.46,
+                axis: Direction::from_vector(up),
+                radius_rad: 0.03,
+            };
+            let mut found = Vec::new();
+            let cones = Cones { whole: &cone, parts: &[], first: 0, shadow: None, scope: SearchScope::Delayed };
+            window.candidates(&cones, &to_gcrs, &mut found);
+            found
+        };
+        for early_s in [0.0, 190.0, -190.0] {
+            let [candidate] = found(3600.0, early_s)[..] else { panic!("{early_s} s early: not found") };
+            let [from_s, to_s] = candidate.near_s.map(f64::from);
+            assert!(from_s < early_s && early_s < to_s && to_s - from_s < 60.0, "{early_s}: {from_s} to {to_s}");
+        }
+        assert_eq!(found(3600.0, 300.0), []);
+        assert_eq!(found(3600.0, -2700.0), []);
     }
 
     fn lowest(phase: &Phase) -> f64 {
