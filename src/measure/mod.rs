@@ -53,12 +53,14 @@
 //! # Ok::<(), streakcast::Error>(())
 //! ```
 
+mod align;
 mod background;
 #[cfg(all(feature = "fits", unix))]
 mod bad_pixels;
 mod band;
 mod corridor;
 mod cut;
+mod ends;
 mod fit;
 #[cfg(all(feature = "fits", unix))]
 mod frame;

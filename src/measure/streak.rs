@@ -1,6 +1,5 @@
 //! Measurement of one streak in one image.
 
-use super::background::median_and_sigma;
 use super::band::Band;
 use super::corridor::Corridor;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
@@ -10,7 +9,6 @@ use super::search::{Extent, Found, search};
 use super::stars::{mask_stars, without_streak};
 use crate::error::Error;
 use crate::images::{LightArea, PixelPosition};
-use crate::math::minimum::minimum;
 use crate::math::quantile::median;
 use crate::streaks::{Optics, PathNode, RadialProfile, StreakPath, draw};
 
@@ -29,17 +27,8 @@ const CONTROL_STEP_WIDTHS: f64 = 0.75;
 const ITERATIONS: usize = 6;
 /// Smallest signal to noise at which the width is measured.
 const WIDTH_FROM: f64 = 10.0;
-/// Distance from the position of the search in which the brightest line of a streak is found, FWHM, and its smallest
-/// value, pixels; number of parts of the track, smallest number of columns of a part, and smallest peak of its profile
-/// relative to the noise of the profile.
-const ALIGN_WIDTHS: f64 = 8.0;
-const ALIGN_PIX: f64 = 12.0;
-const ALIGN_PARTS: usize = 8;
-const ALIGN_COLUMNS: usize = 4;
-const ALIGN_SIGMAS: f64 = 20.0;
-/// Smallest signal to noise at which given ends are fitted along the streak, and largest change in sigmas of their error.
+/// Smallest signal to noise at which given ends are fitted along the streak.
 const ENDS_FROM: f64 = 10.0;
-const END_SIGMAS: f64 = 3.0;
 /// Smallest number of pixels along the track.
 pub(super) const LEAST_LENGTH_PIX: usize = 12;
 /// The same for a streak whose ends are given, and which has this length in any direction.
@@ -65,11 +54,11 @@ const LEAST_BLOCKS: usize = 4;
 /// Parameters of a streak relative to its prediction.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Shift {
-    offset_pix: f64,
-    tilt_rad: f64,
-    late_s: f64,
+    pub offset_pix: f64,
+    pub tilt_rad: f64,
+    pub late_s: f64,
     /// Changes of the times at the ends of a streak whose ends are given, seconds.
-    ends_s: [f64; 2],
+    pub ends_s: [f64; 2],
 }
 
 /// Measures the streak of one satellite in one image; `None` if fewer than 12 pixels of its track are in the image.
@@ -116,13 +105,13 @@ pub(super) struct Measuring<'a> {
 
 /// Drawn streak in the pixels of a band.
 pub(super) struct Drawn {
-    path: StreakPath,
+    pub path: StreakPath,
     pub template: Vec<f32>,
 }
 
 impl Measuring<'_> {
     /// Returns true for a streak whose ends are given.
-    fn is_given(&self) -> bool {
+    pub(super) fn is_given(&self) -> bool {
         self.predicted.ends_s.is_some()
     }
 
@@ -157,7 +146,7 @@ impl Measuring<'_> {
     ///
     /// p(t) = P(t - δ) + n (v + τ u) + e (e · d) δ with the predicted path P, delay δ, offset v, tilt τ, distance u
     /// along the track from the middle, drift d, and unit vectors n across and e along the track.
-    fn path(&self, shift: &Shift) -> Result<Option<StreakPath>, Error> {
+    pub(super) fn path(&self, shift: &Shift) -> Result<Option<StreakPath>, Error> {
         let Corridor { motion: [ex, ey], middle, .. } = self.corridor;
         let [nx, ny] = self.corridor.normal();
         let [dx, dy] = self.predicted.drift_pix_s;
@@ -392,81 +381,6 @@ impl Measuring<'_> {
         }))
     }
 
-    /// Returns the position of the search with the distance and the slope of the brightest line near it.
-    ///
-    /// The search clips pixels at a few sigmas, which makes bright streaks seem wide, with the same light everywhere in
-    /// this width. The brightest line is found in the median profile across the track of several parts of the track, by
-    /// a robust line through their peaks. Without such a peak in at least three parts, and in more than half of the parts,
-    /// the position stays the same. Peaks outside of the corridor are of other streaks.
-    fn aligned(&self, found: &Found, extent: &Extent) -> Found {
-        let corridor = &self.corridor;
-        let cos = corridor.cos();
-        let fwhm = self.profile.fwhm_pix().max(1.0);
-        let half = (ALIGN_WIDTHS * fwhm / cos).ceil().max(ALIGN_PIX) as usize;
-        let line = [found.minor_pix, found.slope];
-        let band = Band::read(self.image.plane, self.image.light_area, corridor, line, half);
-        let middle = 0.5 * band.len() as f64;
-        let is_exposed =
-            |column: usize| (0.0..=self.image.exposure_s).contains(&(corridor.time_s[column] + found.late_s));
-        let height = band.height;
-        // Index of the middle of each part, and distance of its peak from the line.
-        let mut peaks: Vec<(f64, f64)> = Vec::new();
-        let mut parts = 0;
-        for part in 0..ALIGN_PARTS {
-            let columns = part * band.len() / ALIGN_PARTS..(part + 1) * band.len() / ALIGN_PARTS;
-            let columns: Vec<usize> = columns
-                .filter(|column| is_exposed(*column) && band.values[column * height + half].is_finite())
-                .collect();
-            if columns.len() < ALIGN_COLUMNS {
-                continue;
-            }
-            parts += 1;
-            let row = |offset: usize| -> Option<f64> {
-                let values = columns.iter().map(|column| f64::from(band.values[column * height + offset]));
-                let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-                (2 * values.len() > columns.len()).then(|| median(values))
-            };
-            let rows: Vec<Option<f64>> = (0..height).map(row).collect();
-            let known: Vec<f64> = rows.iter().flatten().copied().collect();
-            let (sky, noise) = median_and_sigma(&known);
-            let value = |offset: usize| rows[offset].map_or(f64::NEG_INFINITY, |value| value - sky);
-            let index = columns.iter().sum::<usize>() as f64 / columns.len() as f64 - middle;
-            let track = found.minor_pix + found.slope * index - half as f64;
-            let reach_pix = extent.reach_pix(index / cos);
-            // The flank of a brighter streak beside the corridor is no peak.
-            let is_peak = |offset: &usize| {
-                ((*offset as f64 + track) * cos).abs() <= reach_pix
-                    && (*offset == 0 || value(*offset) >= value(*offset - 1))
-                    && (*offset + 1 == height || value(*offset) >= value(*offset + 1))
-            };
-            let peaks_inside = (0..height).filter(is_peak);
-            let Some(peak) = peaks_inside.max_by(|a, b| value(*a).total_cmp(&value(*b))) else { continue };
-            if noise.is_nan() || value(peak) <= ALIGN_SIGMAS * noise {
-                continue;
-            }
-            // The middle of the light above half of the peak, also of a saturated one.
-            let above = |offset: &usize| value(*offset) > 0.5 * value(peak);
-            let light = (0..=peak).rev().take_while(above).chain((peak + 1..height).take_while(above));
-            let [mut sum, mut weighted] = [0.0; 2];
-            for offset in light {
-                let light = value(offset) - 0.5 * value(peak);
-                sum += light;
-                weighted += light * (offset as f64 - half as f64);
-            }
-            peaks.push((index, weighted / sum));
-        }
-        if peaks.len() < 3 || 2 * peaks.len() <= parts {
-            return *found;
-        }
-        let pairs = peaks
-            .iter()
-            .enumerate()
-            .flat_map(|(number, first)| peaks[..number].iter().map(move |second| (first, second)));
-        let slope = median(pairs.map(|(first, second)| (first.1 - second.1) / (first.0 - second.0)).collect());
-        let shift = median(peaks.iter().map(|(index, distance)| distance - slope * index).collect());
-        Found { minor_pix: found.minor_pix + shift, slope: found.slope + slope, ..*found }
-    }
-
     /// Improves offset and tilt by one Gauss-Newton step. Returns the change of the offset or the shift of the ends by
     /// the change of the tilt, whichever is larger, pixels.
     fn refined(
@@ -525,172 +439,16 @@ impl Measuring<'_> {
     }
 
     /// Returns the sum of the squared residuals for a shift, with one amplitude for all blocks.
-    fn squares(&self, band: &Band, mask: &[bool], blocks: &Blocks, shift: &Shift) -> Result<Option<f64>, Error> {
+    pub(super) fn squares(
+        &self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        shift: &Shift,
+    ) -> Result<Option<f64>, Error> {
         let Some(drawn) = self.drawn(band, shift)? else { return Ok(None) };
         let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
         Ok(combined(&fits).map(|amplitude| amplitude.squares))
-    }
-
-    fn fit_lateness(
-        &self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        extent: &Extent,
-        shift: &mut Shift,
-    ) -> Result<(), Error> {
-        // The search has steps of half a width or of a block.
-        let block_s = blocks.bounds[1] as f64 / band.cos / self.corridor.speed_pix_s;
-        let step_s = block_s.max(2.0 * self.profile.fwhm_pix() / self.corridor.speed_pix_s);
-        let mut failed = None;
-        let mut of = |late_s: f64| match self.squares(band, mask, blocks, &Shift { late_s, ..*shift }) {
-            Ok(squares) => squares.unwrap_or(f64::NAN),
-            Err(error) => {
-                failed = Some(error);
-                f64::NAN
-            }
-        };
-        let start = shift.late_s;
-        // The sum of squares has a single minimum only within a few widths of the end, so several delays are tried
-        // first.
-        let samples = (-4..=4).map(|step| start + f64::from(step) * 0.25 * step_s);
-        let best = samples
-            .filter(|late_s| late_s.abs() <= extent.late_s + step_s)
-            .map(|late_s| (late_s, of(late_s)))
-            .filter(|(_, squares)| squares.is_finite())
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some(best) = best {
-            let tolerance_s = 0.01 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
-            let bounds = [best.0 - 0.25 * step_s, best.0 + 0.25 * step_s];
-            shift.late_s = minimum(of, bounds, best, tolerance_s).0;
-        }
-        failed.map_or(Ok(()), Err)
-    }
-
-    /// Returns the given ends that are in the image and not at its edge, which can be fitted.
-    fn ends_inside(&self) -> Vec<usize> {
-        let Some(ends_s) = self.predicted.ends_s else { return Vec::new() };
-        let area = &self.image.light_area;
-        let margin = END_SIGMAS * self.predicted.cross_sigma_pix;
-        let is_inside = |end: &usize| {
-            let at = self.predicted.path.point_at(ends_s[*end]);
-            let away = [-margin, margin];
-            away.iter().all(|x| away.iter().all(|y| area.contains(PixelPosition { x: at.x + x, y: at.y + y })))
-        };
-        (0..2).filter(is_inside).collect()
-    }
-
-    /// Fits one of the given ends along the streak, within its error. The sum of squares includes the given position, whose
-    /// error is in units of that of a pixel: ((t - t₀) / σ)² σ_pixel². Where the pixels around the end are masked, the end
-    /// stays near that position.
-    fn fit_end(
-        &self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        variance: f64,
-        end: usize,
-        shift: &mut Shift,
-    ) -> Result<(), Error> {
-        let sigma_s = self.predicted.cross_sigma_pix / self.corridor.speed_pix_s;
-        let reach_s = END_SIGMAS * sigma_s;
-        let moved = |time_s: f64| {
-            let mut moved = *shift;
-            moved.ends_s[end] = time_s;
-            moved
-        };
-        let mut failed = None;
-        let mut of = |time_s: f64| match self.squares(band, mask, blocks, &moved(time_s)) {
-            Ok(squares) => squares.unwrap_or(f64::NAN) + variance * (time_s / sigma_s).powi(2),
-            Err(error) => {
-                failed = Some(error);
-                f64::NAN
-            }
-        };
-        let (step_s, start_s) = (0.75 * sigma_s, shift.ends_s[end]);
-        // The sum of squares has a single minimum only within a few widths of the end, so several positions are tried
-        // first. Later the end is only refined.
-        let steps = if start_s == 0.0 { -4..=4 } else { 0..=0 };
-        let best = steps
-            .map(|step| start_s + f64::from(step) * step_s)
-            .map(|time_s| (time_s, of(time_s)))
-            .filter(|(_, squares)| squares.is_finite())
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some(best) = best {
-            let tolerance_s = 0.01 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
-            let bounds = [(best.0 - step_s).max(-reach_s), (best.0 + step_s).min(reach_s)];
-            shift.ends_s[end] = minimum(of, bounds, best, tolerance_s).0;
-        }
-        failed.map_or(Ok(()), Err)
-    }
-
-    /// Returns the factor by which the variance of the light of a streak is larger because its ends are fitted, too:
-    /// 1 / (1 - Σ ρ²) with the correlation ρ of the template of unit light and its derivative by the time of each end.
-    fn ends_inflation(
-        &self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        shift: &Shift,
-        ends: &[usize],
-    ) -> Result<f64, Error> {
-        let unit = |shift: &Shift| -> Result<Option<Vec<f32>>, Error> {
-            let Some(Drawn { path, template }) = self.drawn(band, shift)? else { return Ok(None) };
-            let nodes = path.nodes();
-            let duration_s = (nodes[nodes.len() - 1].time_s - nodes[0].time_s) as f32;
-            Ok(Some(template.into_iter().map(|light| light / duration_s).collect()))
-        };
-        let step_s = 0.25 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
-        let mut squares = 0.0;
-        for end in ends {
-            let mut moved = *shift;
-            moved.ends_s[*end] += step_s;
-            let (Some(same), Some(other)) = (unit(shift)?, unit(&moved)?) else { continue };
-            // Pixels without a value in the frame have no value in the derivative.
-            let change = other.iter().zip(&same).zip(&band.values);
-            let change = change.map(|((other, same), value)| if value.is_nan() { f32::NAN } else { other - same });
-            let fits = fit_blocks(band, &change.collect::<Vec<f32>>(), mask, &same, 0, blocks);
-            let sum = |of: fn(&BlockFit) -> f64| fits.iter().map(of).sum::<f64>();
-            let norm = sum(|fit| fit.weight) * sum(|fit| fit.squares);
-            squares += if norm > 0.0 { sum(|fit| fit.signal).powi(2) / norm } else { 0.0 };
-        }
-        Ok(1.0 / (1.0 - squares.clamp(0.0, 0.9)))
-    }
-
-    /// Returns the path of a streak with fitted ends in the time between the given ends, and the factor by which its
-    /// light per second is larger; any other path and 1.
-    fn within_given_times(&self, path: &StreakPath) -> Result<(StreakPath, f64), Error> {
-        let Some([from_s, to_s]) = self.predicted.ends_s else { return Ok((path.clone(), 1.0)) };
-        let nodes = path.nodes();
-        let (first_s, last_s) = (nodes[0].time_s, nodes[nodes.len() - 1].time_s);
-        // Ends beyond the margin of the chip are not part of the path.
-        let given = self.predicted.path.nodes();
-        let (from_s, to_s) = (from_s.max(given[0].time_s), to_s.min(given[given.len() - 1].time_s));
-        let longer = (last_s - first_s) / (to_s - from_s);
-        let moved = nodes.iter().map(|node| PathNode { time_s: from_s + (node.time_s - first_s) / longer, ..*node });
-        Ok((StreakPath::new(moved.collect())?, longer))
-    }
-
-    /// Returns the error of the delay from the curvature of the sum of squares: σ² = 2 σ_pixel² / S''.
-    fn lateness_sigma(
-        &self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        shift: &Shift,
-        amplitude: &Amplitude,
-        noise_ratio: f64,
-    ) -> Result<Option<f64>, Error> {
-        let step_s = 0.5 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
-        let at = |late_s: f64| self.squares(band, mask, blocks, &Shift { late_s, ..*shift });
-        let (Some(before), Some(here), Some(after)) =
-            (at(shift.late_s - step_s)?, at(shift.late_s)?, at(shift.late_s + step_s)?)
-        else {
-            return Ok(None);
-        };
-        let bend = (before - 2.0 * here + after) / (step_s * step_s);
-        let variance = 2.0 * amplitude.squares / amplitude.freedom / bend;
-        Ok((bend > 0.0).then(|| variance.sqrt() * noise_ratio))
     }
 
     /// Returns the error (one sigma) of the amplitude that the error of the satellite's size causes: half of the
@@ -785,33 +543,6 @@ impl Measuring<'_> {
             saturated += usize::from(light.iter().zip(values).any(is_full));
         }
         saturated as f64 > SATURATED_SHARE * f64::from(lit)
-    }
-
-    /// Returns the number of ends of the exposed track that are in the image.
-    fn ends(&self, shift: &Shift) -> Result<usize, Error> {
-        let Some(path) = self.path(shift)? else { return Ok(0) };
-        let end_s = self.image.exposure_s;
-        // If the prediction does not extend to the ends of the exposure, the path begins or ends elsewhere.
-        let nodes = path.nodes();
-        let (first, last) = (&nodes[0], &nodes[nodes.len() - 1]);
-        let is_end = |is_exposed: bool, node: &PathNode| {
-            (is_exposed || self.is_given()) && node.rate > 0.0 && self.image.light_area.contains(node.at)
-        };
-        Ok(usize::from(is_end(first.time_s <= 1e-9, first)) + usize::from(is_end(last.time_s >= end_s - 1e-9, last)))
-    }
-
-    /// Returns the first and the last time at which a path is on illuminated pixels.
-    fn inside(&self, path: &StreakPath) -> [f64; 2] {
-        const SAMPLES: usize = 2000;
-        let nodes = path.nodes();
-        let (from_s, to_s) = (nodes[0].time_s, nodes[nodes.len() - 1].time_s);
-        let time_s = |sample: usize| from_s + (to_s - from_s) * sample as f64 / SAMPLES as f64;
-        let is_inside = |sample: &usize| {
-            self.image.light_area.contains(path.point_at(time_s(*sample))) && path.rate_at(time_s(*sample)) > 0.0
-        };
-        let first = (0..=SAMPLES).find(is_inside).unwrap_or(0);
-        let last = (0..=SAMPLES).rev().find(is_inside).unwrap_or(SAMPLES);
-        [time_s(first), time_s(last)]
     }
 }
 
