@@ -101,6 +101,23 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
         }
     }
     assert!(waited > 0, "no wait is worth its time");
+    // With the largest cost of a policy the exposure starts when its cost is small enough, or is not clear.
+    let policy = path(&folder, "policy.toml");
+    let now = "2024-08-14T23:30:00.000Z";
+    let with_policy: &[&str] = &["--telescope", "rubin", "--bright-share", "0.08", "--max-wait", "1min", "--now", now];
+    let scheduled_s = cost_at(now, "0.08");
+    let free = gate(&folder, &[POINTING, with_policy].concat()).2;
+    assert!(free["streak_cost_s"].as_f64().unwrap() > 0.01, "{free}");
+    for (most_s, verdict) in [(0.99 * free["streak_cost_s"].as_f64().unwrap(), "start"), (1e-9, "not_clear")] {
+        fs::write(&policy, format!("max_cost_s = {most_s:e}")).unwrap();
+        let (code, stderr, status) = gate(&folder, &[POINTING, with_policy, &["--policy", &policy]].concat());
+        assert_eq!((code, status["verdict"].as_str()), (0, Some(verdict)), "{stderr}");
+        assert_eq!(verdict == "start", status["streak_cost_s"].as_f64().unwrap() <= most_s + 5e-4, "{status}");
+        assert!((status["scheduled_cost_s"].as_f64().unwrap() - scheduled_s).abs() < 2e-3);
+        let (_, stderr, status) =
+            gate(&folder, &[POINTING, with_policy, &["--policy", &policy, "--blocking", "any"]].concat());
+        assert!(status["fault"] == "setup" || stderr.contains("blocking"), "{stderr}");
+    }
     // A limit or `any` selects the satellites that block, as without a telescope.
     for more in [&["--limit-mag", "7"][..], &["--blocking", "any"]] {
         let (_, stderr, status) = gate(&folder, &[POINTING, &["--telescope", "rubin", "--now", NOW], more].concat());

@@ -242,6 +242,7 @@ fn verdict(
             id: exposure.id.clone(),
             row: 0,
             band: band.clone(),
+            open_s: None,
             exposure: Ok(Exposure { start: now, ..exposure.clone() }),
         };
         let (best, _) =
@@ -253,6 +254,9 @@ fn verdict(
         state(status, "start_utc", format_utc(first, 3));
         state(status, "streak_cost_s", rounded(best.streak_cost_s, 3));
         state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
+        if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
+            return Ok(GateVerdict::NotClear);
+        }
         return Ok(GateVerdict::Best { waited_s, first, best });
     }
     // The windows extend beyond the longest wait, so that the end of the clear interval is known.
