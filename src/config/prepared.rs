@@ -12,9 +12,7 @@ use super::error::request;
 use super::inputs::LoadedInputs;
 use super::warnings;
 use crate::constants::DAY_S;
-use crate::elements::{
-    Constellation, ElementSet, Ephemeris, EphemerisObject, Keep, Rejected, Satellites, SourceFile,
-};
+use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Keep, Rejected, Satellites, SourceFile};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, Site};

@@ -202,7 +202,10 @@ fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod,
     let elements = match entry.elements {
         Some(given) => files(&given).ok_or_else(|| {
             let given = given.to_string();
-            wrong(format!("elements is {}; allowed: the path of a file of element sets, or a list of paths", Quoted::new(&given)))
+            wrong(format!(
+                "elements is {}; allowed: the path of a file of element sets, or a list of paths",
+                Quoted::new(&given)
+            ))
         })?,
         None => Vec::new(),
     };
@@ -310,7 +313,10 @@ mod tests {
         for (text, expected) in [
             ("[[period]]\nfrom = 2027-01-01", "period from 2027-01-01: it has neither shells nor elements"),
             ("[[period]]\nfrom = 2027-01-01\nelements = []", "elements is \"[]\"; allowed: the path of a file"),
-            ("[[period]]\nfrom = 2027-01-01\nelements = ['a.csv', 3]", "allowed: the path of a file of element sets, or a"),
+            (
+                "[[period]]\nfrom = 2027-01-01\nelements = ['a.csv', 3]",
+                "allowed: the path of a file of element sets, or a",
+            ),
             ("[[period]]\nfrom = 2027-01-01\nelements = ''", "allowed: the path of a file"),
             ("[[period]]\nfrom = '2027-01-01'\nshells = {}", "invalid value"),
             ("[[period]]\nfrom = 2027-01-01T12:00:00\nshells = {}", "allowed: from = 2027-01-01"),

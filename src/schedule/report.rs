@@ -105,7 +105,13 @@ impl Sky {
     /// Sun's ephemeris. A pointing below the horizon is not an error: its verdict is [`VerdictKind::Invalid`], with the
     /// reason.
     pub fn judge(&self, exposure: &Exposure, field: &Field, policy: &Policy) -> Result<Verdict, Error> {
-        let row = ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, open_s: None, exposure: Ok(exposure.clone()) };
+        let row = ScheduledExposure {
+            id: exposure.id.clone(),
+            row: 0,
+            band: None,
+            open_s: None,
+            exposure: Ok(exposure.clone()),
+        };
         let photometry = PhotometryOptions::default();
         let request = FlagRequest { sky: self, field, policy, telescope: None, photometry: &photometry };
         let mut report = flag_exposures(&[&row], &request)?;
@@ -466,7 +472,8 @@ fn confirm<'a>(
                 .iter()
                 .zip(open.iter().zip(&later).zip(&crossings.by_exposure))
                 .map(|(satellites, ((search, exposure), passes))| {
-                    let expected = expected_of(satellites, (exposure, rows[search.row].open_s), band(search.row), passes, request);
+                    let expected =
+                        expected_of(satellites, (exposure, rows[search.row].open_s), band(search.row), passes, request);
                     expected.streak_cost_s.is_some_and(|cost_s| cost_s > most_s)
                 })
                 .collect(),

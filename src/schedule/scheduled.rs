@@ -396,15 +396,15 @@ fn scheduled_exposure(
     let numbered = || (row + 1).to_string();
     let cells = match cells {
         Ok(cells) => cells,
-        Err(reason) => return ScheduledExposure { id: numbered(), row, band: None, open_s: None, exposure: Err(reason.clone()) },
+        Err(reason) => {
+            return ScheduledExposure { id: numbered(), row, band: None, open_s: None, exposure: Err(reason.clone()) };
+        }
     };
     let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
     let id = map.id.and_then(|index| cell(index).text()).unwrap_or_else(numbered);
     let band = map.band.and_then(|index| cell(index).text());
-    let (exposure, open_s) = exposure(&id, cell, map, scales, scale, options).map_or_else(
-        |reason| (Err(reason), None),
-        |(exposure, open_s)| (Ok(exposure), open_s),
-    );
+    let (exposure, open_s) = exposure(&id, cell, map, scales, scale, options)
+        .map_or_else(|reason| (Err(reason), None), |(exposure, open_s)| (Ok(exposure), open_s));
     ScheduledExposure { id, row, band, open_s, exposure }
 }
 

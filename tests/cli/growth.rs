@@ -245,9 +245,8 @@ fn periods_have_element_sets_of_their_own() {
             format!("1 {number}U 98067A   26226.50000000  .00000000  00000+0  00000-0 0  999"),
             format!("2 {number}  51.6304 193.4497 0006669 272.1743 {mean_anomaly} 15.4894766457509"),
         ];
-        let sum = |line: &str| {
-            line.chars().map(|c| if c == '-' { 1 } else { c.to_digit(10).unwrap_or(0) }).sum::<u32>() % 10
-        };
+        let sum =
+            |line: &str| line.chars().map(|c| if c == '-' { 1 } else { c.to_digit(10).unwrap_or(0) }).sum::<u32>() % 10;
         written(&folder, name, &lines.map(|line| format!("{line}{}\n", sum(&line))).concat())
     };
     let request = tle("request.tle", 10_001, " 87.8481");
@@ -279,9 +278,9 @@ fn periods_have_element_sets_of_their_own() {
     let of_both = rows(&done(&[&["flag", "--schedule", &both, "--format", "csv"], &base, &SKY]));
     assert_eq!(alone, of_both[..alone.len()]);
     // A request of one night, and a server.
-    let passes = ["ephemeris", "--start", "2026-08-14T00:00:00Z", "--format", "json", "--mpc", "X05"];
-    let named = |satellite: &str| run(&[&passes, &base, &["--satellite", satellite]]).0;
-    assert_eq!([named("20001"), named("20002"), named("10001") / 2], [0, 0, 1]);
+    let passes = ["ephemeris", "--times", "2026-08-14T00:00:00Z", "--mpc", "X05"];
+    let code = |satellite: &str| run(&[&passes, &base, &["--norad", satellite]]).0;
+    assert_eq!(["20001", "20002", "10001"].map(code), [0, 0, 2]);
     let server = Server::start(&[&["--schedule", &both], &base[..], &SKY].concat());
     let sources = |start: &str| {
         let request = format!("/api/v1/exposure?start_utc={start}&duration_s=30&ra_deg=60&dec_deg=-40");
@@ -298,7 +297,7 @@ fn periods_have_element_sets_of_their_own() {
         ("elements = 'missing.tle'", "missing.tle: No such file or directory"),
         ("elements = 'empty.tle'", "empty.tle is empty"),
         ("elements = 'wrong.tle'", "wrong.tle contains no element sets"),
-        ("elements = 3", "growth.toml: constellation file: period from 2026-08-01: elements is \"3\"; allowed: the path"),
+        ("elements = 3", "growth.toml: constellation file: period from 2026-08-01: elements is 3; allowed: the path"),
         ("", "growth.toml: constellation file: period from 2026-08-01: it has neither shells nor elements"),
     ] {
         let file = growth(first);

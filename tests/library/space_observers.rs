@@ -134,7 +134,13 @@ fn verif_limits_of_verdicts_and_windows() {
         let rows: Vec<ScheduledExposure> = (0..100)
             .map(|_| seconds_after(from, random.between(0.0, span_s)))
             .map(|start| Exposure { start, ..target.exposure.clone() })
-            .map(|exposure| ScheduledExposure { id: String::new(), row: 0, band: None, open_s: None, exposure: Ok(exposure) })
+            .map(|exposure| ScheduledExposure {
+                id: String::new(),
+                row: 0,
+                band: None,
+                open_s: None,
+                exposure: Ok(exposure),
+            })
             .collect();
         let flags = flag_exposures(&rows.iter().collect::<Vec<_>>(), &conditions).expect("verdicts").flags;
         for (row, flag) in rows.iter().zip(flags) {

@@ -75,7 +75,13 @@ fn exposures(sky: &Sky, start: Epoch, night_s: f64, count: usize) -> Vec<Schedul
         };
         let altitude_rad = sky.pointing_altaz(&exposure.pointing, exposure.start).expect("an altitude").altitude_rad;
         if altitude_rad > 0.55 {
-            rows.push(ScheduledExposure { id: exposure.id.clone(), row: number, band: None, open_s: None, exposure: Ok(exposure) });
+            rows.push(ScheduledExposure {
+                id: exposure.id.clone(),
+                row: number,
+                band: None,
+                open_s: None,
+                exposure: Ok(exposure),
+            });
         }
     }
     rows

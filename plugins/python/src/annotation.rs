@@ -47,7 +47,8 @@ impl Engine {
                 stated
             });
             // Constellations that grow differ from night to night.
-            let [shells, elements] = ["shells", "elements"].map(|name| prepared.provenance.get(name).cloned().unwrap_or_default());
+            let [shells, elements] =
+                ["shells", "elements"].map(|name| prepared.provenance.get(name).cloned().unwrap_or_default());
             if periods.last().is_none_or(|last| last["shells"] != shells || last["elements"] != elements) {
                 let first =
                     rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|exposure| exposure.start).min();
@@ -63,7 +64,8 @@ impl Engine {
                 let (Ok(exposure), false) = (&row.exposure, flag.passes.is_empty()) else { continue };
                 let band = row.band.as_deref();
                 let limit_mag = self.policy.limit_mag_in(band);
-                let streaks = flag.passes.iter().map(|pass| request.streak_row((exposure, row.open_s), pass, band, limit_mag));
+                let streaks =
+                    flag.passes.iter().map(|pass| request.streak_row((exposure, row.open_s), pass, band, limit_mag));
                 by_row.insert(row.row, streak_table(streaks, columns).rows);
                 // Of many nights only the rows are kept.
                 flag.passes = Vec::new();

@@ -56,7 +56,8 @@ pub fn as_arguments(message: &str) -> String {
             let (begin, end) = (at + found, at + found + setting.len());
             // Not in paths and other names.
             let ends_sentence = message[end..].trim_start_matches('.').starts_with(char::is_whitespace);
-            if is_end(message[..begin].chars().next_back()) && (ends_sentence || is_end(message[end..].chars().next())) {
+            if is_end(message[..begin].chars().next_back()) && (ends_sentence || is_end(message[end..].chars().next()))
+            {
                 message.replace_range(begin..end, key);
             }
             at = end;

@@ -50,7 +50,11 @@ impl Config {
         let of_period = deployment.as_ref().map(|deployment| deployment.elements_at(evening)).unwrap_or_default();
         match deployment.and_then(|deployment| deployment.at(evening)) {
             Err(error) => {
-                health.findings.push(Finding::error(SUBJECT, error, "names and periods are listed by streakcast shells"));
+                health.findings.push(Finding::error(
+                    SUBJECT,
+                    error,
+                    "names and periods are listed by streakcast shells",
+                ));
             }
             Ok(simulated) if !simulated.is_empty() => {
                 let finding = "simulated constellations (--shells): positions do not correspond to real satellites";

@@ -167,7 +167,11 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
                 Kind::List { separator: " " },
                 "Altitude in km and inclination in degrees of each shell; empty for several constellations.",
             ),
-            Column::new("source", Kind::Text, "Source of the orbits, or the constellations of a set, or those of a period with its files of element sets."),
+            Column::new(
+                "source",
+                Kind::Text,
+                "Source of the orbits, or the constellations of a set, or those of a period with its files of element sets.",
+            ),
         ],
         rows: all
             .iter()
