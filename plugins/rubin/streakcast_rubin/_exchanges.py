@@ -51,7 +51,7 @@ UNITS = {"mjd": "d", "first_cost_s": "s", "cost_s": "s", "detour_s": "s", "saved
 def table_of(exchanges: Iterable[Exchange]) -> dict[str, npt.NDArray[Any]]:
     """Returns exchanges as columns, with the column ``saved_s``."""
     rows = list(exchanges)
-    table = {name: np.array([getattr(row, name) for row in rows], dtype=of) for name, of in TYPES.items()}
+    table: dict[str, npt.NDArray[Any]] = {name: np.array([getattr(row, name) for row in rows], dtype=of) for name, of in TYPES.items()}
     return {**table, "saved_s": table["first_cost_s"] - table["cost_s"]}
 
 
@@ -71,15 +71,20 @@ def of_visits(
     ValueError
         The file is missing or invalid, or a column is missing.
     """
-    if isinstance(exchanges, (str, os.PathLike)):
+    table: Columns
+    if isinstance(exchanges, Mapping):
+        table = exchanges
+    else:
+        path = os.fspath(exchanges)
         try:
-            exchanges = Table.read(os.fspath(exchanges), format="ascii.ecsv")
+            table = dict(Table.read(path, format="ascii.ecsv").columns)
         except (OSError, ValueError) as error:
-            raise ValueError(f"{os.fspath(exchanges)} is no table of exchanges ({error}); allowed: a file of write_exchanges") from error
-    missing = [name for name in ("mjd", "band", "saved_s", "detour_s") if name not in exchanges.keys()]
+            raise ValueError(f"{path} is not a table of exchanges ({error}); allowed: a file of write_exchanges") from error
+    missing = [name for name in ("mjd", "band", "saved_s", "detour_s") if name not in table]
     if missing:
         raise ValueError(f"the exchanges lack the column {', '.join(missing)}; allowed: StreakQueueManager.exchanges, or a file of write_exchanges")
-    mjd, bands, saved_s, detour_s = (np.asarray(exchanges[name]) for name in ("mjd", "band", "saved_s", "detour_s"))
+    mjd, bands, saved_s, detour_s = (np.asarray(table[name]) for name in ("mjd", "band", "saved_s", "detour_s"))
+    start_mjd, band = np.asarray(start_mjd, dtype=float), np.asarray(band)
     found = {name: np.zeros(len(start_mjd)) for name in ("exchanged_visits", "saved_s", "detour_s")}
     assigned = 0
     for one in np.unique(bands):
