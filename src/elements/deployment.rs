@@ -136,7 +136,7 @@ impl Deployment {
                 let begin = file.periods.first().map(|period| period.from.clone()).unwrap_or_default();
                 let (year, month, day, ..) = Epoch::from_mjd_utc(evening_mjd as f64).to_gregorian_utc();
                 let message = format!(
-                    "the simulated constellations begin with the night of {begin}, after the night of \
+                    "the periods begin with the night of {begin}, after the night of \
                      {year:04}-{month:02}-{day:02} of the request"
                 );
                 Error::new(ErrorKind::NoPosition, message)

@@ -443,7 +443,7 @@ fn least_step_s(policy: &Policy) -> f64 {
 ///
 /// A start at which a satellite still blocks, or at which the cost exceeds that of the policy, is replaced by the next
 /// candidate within the longest delay. `band` returns the band of the exposure of a row.
-fn confirm<'a>(
+fn confirm(
     mut searches: Vec<StartSearch>,
     judged: &[(usize, &Exposure)],
     blocking: Blocking,

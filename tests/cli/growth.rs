@@ -270,7 +270,7 @@ fn periods_have_element_sets_of_their_own() {
         period["elements"].as_array().unwrap().iter().map(|one| one["file"].as_str().unwrap().to_owned()).collect()
     };
     assert_eq!(files(&periods[0]), [path(&folder, "sets/first.tle"), other.clone()]);
-    assert_eq!(files(&periods[1]), [request.clone()]);
+    assert_eq!(files(&periods[1]), std::slice::from_ref(&request));
     // Verdicts of the first night are those of its files alone.
     let first = written(&folder, "first.csv", &schedule(&["2026-08-14"]));
     let alone = ["--elements", &path(&folder, "sets/first.tle"), "--elements", &other];
@@ -327,7 +327,8 @@ fn nights_before_the_first_period_are_an_error() {
     let (code, _, error) = run(&[&arguments, &SKY]);
     assert!(
         code == 2
-            && error.contains("growth.toml: the simulated constellations begin with the night of 2026-08-14, after the night of 2026-08-13")
+            && error
+                .contains("growth.toml: the periods begin with the night of 2026-08-14, after the night of 2026-08-13")
             && error.contains("[[period]]"),
         "{error}"
     );
