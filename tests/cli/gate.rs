@@ -112,9 +112,14 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
         let (code, stderr, status) = gate(&folder, &[POINTING, more].concat());
         assert_eq!((code, status["verdict"].as_str()), (0, Some(verdict)), "{stderr}");
         assert_eq!(verdict == "start", status["streak_cost_s"].as_f64().unwrap() <= most_s, "{status}");
-        fs::write(&policy, format!("max_cost_s = {most_s}\nlimit_mag = 7")).unwrap();
+        // A start that exceeds neither a limit nor the cost. All satellites are fainter than this limit.
+        fs::write(&policy, format!("max_cost_s = {most_s}\nlimit_mag = -5")).unwrap();
         let (_, stderr, status) = gate(&folder, &[POINTING, more].concat());
-        assert!(status["fault"] == "setup" && stderr.contains("allowed: max_cost_s without a limit"), "{stderr}");
+        assert_eq!(status["verdict"] == "clear", verdict == "start", "{stderr}");
+        if verdict == "start" {
+            let start = status["start_utc"].as_str().unwrap();
+            assert!(status["waited_s"].as_f64().unwrap() > 0.0 && cost_at(start, "0.08") <= most_s + 2e-3, "{stderr}");
+        }
     }
     // A limit or `any` selects the satellites that block, as without a telescope.
     for more in [&["--limit-mag", "7"][..], &["--blocking", "any"]] {

@@ -291,12 +291,6 @@ impl Request {
             return Err(anyhow!("gate does not support a telescope in orbit; allowed: a site"));
         }
         let mut policy = config.policy()?;
-        if policy.max_cost_s.is_some() && (policy.has_limit() || policy.blocking != Blocking::Avoid) {
-            return Err(anyhow!(
-                "max_cost_s of the policy and another rule for the start are given; allowed: max_cost_s without a limit of \
-                 magnitude or surface brightness and without blocking any"
-            ));
-        }
         policy.margin_s = flags.margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
         policy.validate()?;
         let duration = config.exposure.duration.as_ref();
