@@ -312,7 +312,7 @@ mod tests {
     fn errors_contain_what_is_allowed() {
         for (text, expected) in [
             ("[[period]]\nfrom = 2027-01-01", "period from 2027-01-01: it has neither shells nor elements"),
-            ("[[period]]\nfrom = 2027-01-01\nelements = []", "elements is \"[]\"; allowed: the path of a file"),
+            ("[[period]]\nfrom = 2027-01-01\nelements = []", "elements is []; allowed: the path of a file"),
             (
                 "[[period]]\nfrom = 2027-01-01\nelements = ['a.csv', 3]",
                 "allowed: the path of a file of element sets, or a",
