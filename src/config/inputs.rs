@@ -1,6 +1,7 @@
 //! Input files of a configuration: element sets, synthetic constellations, Earth orientation and brightness models.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hifitime::Epoch;
@@ -30,6 +31,8 @@ pub struct LoadedInputs {
     pub(super) eop: EopTable,
     pub(super) catalogue: Option<Satellites>,
     pub(super) deployment: Deployment,
+    /// Element sets of the periods that replace those of the request, by their files.
+    pub(super) of_periods: BTreeMap<Vec<PathBuf>, Satellites>,
     pub(super) choice: ModelChoice,
     /// Files with settings, as they were read.
     pub(super) settings_files: Vec<serde_json::Value>,
@@ -37,17 +40,31 @@ pub struct LoadedInputs {
 
 impl LoadedInputs {
     /// Returns the files of element sets that were read; empty if all satellites are synthetic.
-    pub fn sources(&self) -> &[SourceFile] {
-        self.catalogue.as_ref().map_or(&[], |catalogue| &catalogue.sources)
+    pub fn sources(&self) -> impl Iterator<Item = &SourceFile> {
+        self.catalogues().flat_map(|catalogue| &catalogue.sources)
+    }
+
+    fn catalogues(&self) -> impl Iterator<Item = &Satellites> {
+        self.catalogue.iter().chain(self.of_periods.values())
+    }
+
+    /// Returns the element sets of the night that begins on an evening; `None` if all satellites are synthetic.
+    pub(super) fn catalogue_at(&self, evening_mjd: i64) -> Option<&Satellites> {
+        match self.deployment.elements_at(evening_mjd) {
+            files if files.is_empty() => self.catalogue.as_ref(),
+            files => self.of_periods.get(&files),
+        }
     }
 
     /// Returns the first and the last epoch of the element sets if the files have several of an object, of which each sky
     /// uses the closest.
     pub fn epochs_of_choice(&self) -> Option<[Epoch; 2]> {
-        let sets = &self.catalogue.as_ref()?.element_sets;
-        let has_several = sets.windows(2).any(|pair| pair[0].norad_id == pair[1].norad_id);
-        let epochs = || sets.iter().map(|set| set.epoch);
-        epochs().min().zip(epochs().max()).filter(|_| has_several).map(|(first, last)| [first, last])
+        let has_several = |catalogue: &&Satellites| {
+            catalogue.element_sets.windows(2).any(|pair| pair[0].norad_id == pair[1].norad_id)
+        };
+        let epochs = || self.catalogues().filter(has_several).filter_map(Satellites::epochs);
+        let (first, last) = (epochs().map(|(first, _)| first).min()?, epochs().map(|(_, last)| last).max()?);
+        Some([first, last])
     }
 }
 
@@ -57,18 +74,24 @@ impl Config {
     /// # Errors
     /// Neither element sets nor simulated constellations are given, or an input is invalid.
     pub fn load(&self) -> Result<LoadedInputs, Error> {
-        self.load_with(self.read_elements(Keep::All)?)
+        self.load_with(Keep::All)
     }
 
-    pub(super) fn load_with(&self, catalogue: Option<Satellites>) -> Result<LoadedInputs, Error> {
+    pub(super) fn load_with(&self, keep: Keep) -> Result<LoadedInputs, Error> {
+        let catalogue = self.read_elements(&self.elements, keep)?;
         let (drag, shadow, eop) = (self.drag()?, self.shadow()?, self.eop_table()?);
         let deployment = self.deployment()?;
+        let mut of_periods = BTreeMap::new();
+        for files in deployment.all_elements() {
+            let catalogue = Satellites::read(&files, &self.read_options(keep))?;
+            of_periods.insert(files, catalogue);
+        }
         if catalogue.is_none() && deployment.is_empty() {
             return Err(SATELLITES.missing());
         }
         let choice = self.model_choice()?;
         let (config, settings_files) = (self.clone(), self.settings_json());
-        Ok(LoadedInputs { config, drag, shadow, eop, catalogue, deployment, choice, settings_files })
+        Ok(LoadedInputs { config, drag, shadow, eop, catalogue, deployment, of_periods, choice, settings_files })
     }
 
     /// Returns the model of drag in SGP4. If omitted, satellites that hold their orbits by thrust have no drag.
@@ -106,14 +129,14 @@ impl Config {
     /// # Errors
     /// A file cannot be read or has no element sets.
     pub fn catalogue(&self, moment: Epoch) -> Result<Option<Satellites>, Error> {
-        self.read_elements(Keep::Nearest(moment))
+        self.read_elements(&self.elements, Keep::Nearest(moment))
     }
 
-    fn read_elements(&self, keep: Keep) -> Result<Option<Satellites>, Error> {
-        if self.elements.is_empty() {
+    pub(super) fn read_elements(&self, files: &[PathBuf], keep: Keep) -> Result<Option<Satellites>, Error> {
+        if files.is_empty() {
             return Ok(None);
         }
-        Ok(Some(Satellites::read(&self.elements, &self.read_options(keep))?))
+        Ok(Some(Satellites::read(files, &self.read_options(keep))?))
     }
 
     pub(super) fn read_options(&self, keep: Keep) -> ReadOptions {

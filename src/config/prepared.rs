@@ -12,7 +12,7 @@ use super::error::request;
 use super::inputs::LoadedInputs;
 use super::warnings;
 use crate::constants::DAY_S;
-use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Rejected, SourceFile};
+use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Keep, Rejected, Satellites, SourceFile};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, Site};
@@ -67,7 +67,7 @@ impl Config {
     /// # Errors
     /// Same as [`Config::load`] and [`LoadedInputs::prepare`].
     pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, Error> {
-        self.load_with(self.catalogue(middle_of(first, last))?)?.prepare(first, last)
+        self.load_with(Keep::Nearest(middle_of(first, last)))?.prepare(first, last)
     }
 }
 
@@ -87,9 +87,14 @@ impl LoadedInputs {
         if !self.settings_files.is_empty() {
             provenance.state("settings_files", self.settings_files.clone());
         }
+        let evening = evening_mjd(first, longitude_rad(&viewpoint));
+        let constellations = self.deployment.at(evening)?;
         let (mut elements, mut others): (Vec<ElementSet>, Vec<ElementSet>) = Default::default();
-        if let Some(catalogue) = &self.catalogue {
-            provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());
+        let catalogue = self.catalogue_at(evening);
+        if catalogue.is_some() || !self.of_periods.is_empty() {
+            provenance.state("elements", elements_json(catalogue));
+        }
+        if let Some(catalogue) = catalogue {
             of_files.extend(warnings::of_catalogue(catalogue));
             provenance.attach("rejected_count", catalogue.rejected.len());
             provenance
@@ -103,7 +108,7 @@ impl LoadedInputs {
                 provenance.attach("modules_merged", merged);
             }
         }
-        let ephemerides = self.catalogue.as_ref().map_or(&[][..], |catalogue| &catalogue.ephemerides);
+        let ephemerides = catalogue.map_or(&[][..], |catalogue| &catalogue.ephemerides);
         // The ephemerides of the telescope itself are used, although it may have no element set.
         let own = viewpoint.orbit().map_or(&[][..], |observer| observer.ephemerides());
         let is_own = |ephemeris: &&Arc<Ephemeris>| {
@@ -120,8 +125,6 @@ impl LoadedInputs {
         }
         of_files.extend(warnings::of_ephemerides_without_elements(&without_elements));
         let from_files = elements.len();
-        let evening = evening_mjd(first, longitude_rad(&viewpoint));
-        let constellations = self.deployment.at(evening)?;
         let growth_mjd = (evening, self.deployment.periods().map(|period| period.from_mjd).collect());
         let shells_made_for = (!constellations.is_empty()).then(|| start_of_utc_day(first));
         if let Some(day) = shells_made_for {
@@ -198,15 +201,26 @@ impl LoadedInputs {
         Ok(prepared)
     }
 
-    /// Returns the number of simulated satellites in the night at a time, and their constellations as in the
-    /// provenance.
+    /// Returns the satellites of the period of the night at a time, for the provenance.
     ///
     /// # Errors
     /// The site is invalid, or the night is before the first period of a file.
-    pub fn simulated_at(&self, epoch: Epoch) -> Result<(usize, serde_json::Value), Error> {
-        let longitude_rad = self.config.viewpoint_longitude_rad(Some(epoch))?;
-        let constellations = self.deployment.at(evening_mjd(epoch, longitude_rad))?;
-        Ok((constellations.iter().map(Constellation::satellites).sum(), constellations_json(&constellations)))
+    pub fn period_json(&self, first_start: Epoch) -> Result<serde_json::Value, Error> {
+        let evening = evening_mjd(first_start, self.config.viewpoint_longitude_rad(Some(first_start))?);
+        let constellations = self.deployment.at(evening)?;
+        let catalogue = self.catalogue_at(evening);
+        let mut elements = catalogue.map(|catalogue| catalogue.at(first_start)).unwrap_or_default();
+        merge_parts_of_stations(&mut elements);
+        let simulated: usize = constellations.iter().map(Constellation::satellites).sum();
+        let mut stated = json!({
+            "first_start_utc": format_utc(first_start, 3),
+            "satellites": elements.len() + simulated,
+            "shells": constellations_json(&constellations),
+        });
+        if !self.of_periods.is_empty() {
+            stated["elements"] = elements_json(catalogue);
+        }
+        Ok(stated)
     }
 }
 
@@ -414,6 +428,11 @@ fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Va
         "min_sun_angle_deg": config.min_sun_angle,
         "min_limb_angle_deg": config.min_limb_angle,
     })
+}
+
+/// Returns the files of a catalogue; an empty list if there is none.
+fn elements_json(catalogue: Option<&Satellites>) -> serde_json::Value {
+    catalogue.iter().flat_map(|catalogue| &catalogue.sources).map(source_json).collect()
 }
 
 fn source_json(source: &SourceFile) -> serde_json::Value {

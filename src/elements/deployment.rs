@@ -1,6 +1,8 @@
-//! Simulated constellations that grow: from which night on which share of each is in orbit.
+//! Constellations that change: from which night on which share of each simulated one is in orbit, and which element sets
+//! are used.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
 
 use hifitime::Epoch;
 use toml::value::Datetime;
@@ -12,7 +14,7 @@ use crate::message::Quoted;
 /// Largest number of periods in a file.
 const MOST_PERIODS: usize = 1000;
 
-/// Simulated constellations of a request, by night.
+/// Simulated constellations of a request, and the element sets that replace those of the request, by night.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deployment {
     /// Constellations that are complete in all nights.
@@ -28,6 +30,8 @@ pub struct DeploymentPeriod {
     pub from: String,
     /// The same date as MJD.
     pub from_mjd: i64,
+    /// Files of element sets in place of those of the request; if empty, those of the request are used.
+    pub elements: Vec<PathBuf>,
     /// Constellations with their deployed fractions.
     pub constellations: Vec<Constellation>,
 }
@@ -42,13 +46,23 @@ pub struct DeploymentFile {
 }
 
 impl DeploymentFile {
-    /// Parses a file of the user; `name` is its name in later errors.
+    /// Parses a file of the user; `name` is its path. Paths in it are relative to its folder.
     ///
     /// # Errors
     /// Same as [`Constellation::from_toml`]; or a period is invalid.
     pub fn from_toml(text: &str, name: &str) -> Result<Self, Error> {
         let ShellFile { constellations, periods, .. } = ShellFile::from_toml(text)?;
-        Ok(Self { name: name.to_owned(), periods: checked_periods(periods, &constellations)?, constellations })
+        let mut periods = checked_periods(periods, &constellations)?;
+        let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+        for path in periods.iter_mut().flat_map(|period| &mut period.elements) {
+            *path = folder.join(&*path);
+        }
+        Ok(Self { name: name.to_owned(), periods, constellations })
+    }
+
+    /// Returns the period of the night that begins on an evening.
+    fn period_at(&self, evening_mjd: i64) -> Option<&DeploymentPeriod> {
+        self.periods.iter().take_while(|period| period.from_mjd <= evening_mjd).last()
     }
 }
 
@@ -117,22 +131,33 @@ impl Deployment {
     /// The night is before the first period of a file, so that its satellites are unknown.
     pub fn at(&self, evening_mjd: i64) -> Result<Vec<Constellation>, Error> {
         let mut all = self.always.clone();
-        for DeploymentFile { name, periods, .. } in &self.growing {
-            let begun = periods.iter().take_while(|period| period.from_mjd <= evening_mjd);
-            let period = begun.last().ok_or_else(|| {
-                Error::new(
-                    ErrorKind::NoPosition,
-                    format!(
-                        "the simulated constellations begin with the night of {}, after that of the request",
-                        periods.first().map(|period| period.from.clone()).unwrap_or_default()
-                    ),
-                )
-                .allowing("a [[period]] from an earlier date")
-                .in_file("", name)
+        for file in &self.growing {
+            let period = file.period_at(evening_mjd).ok_or_else(|| {
+                let begin = file.periods.first().map(|period| period.from.clone()).unwrap_or_default();
+                let (year, month, day, ..) = Epoch::from_mjd_utc(evening_mjd as f64).to_gregorian_utc();
+                let message = format!(
+                    "the periods begin with the night of {begin}, after the night of \
+                     {year:04}-{month:02}-{day:02} of the request"
+                );
+                Error::new(ErrorKind::NoPosition, message)
+                    .allowing("a [[period]] from an earlier date")
+                    .in_file("", &file.name)
             })?;
             all.extend(period.constellations.iter().cloned());
         }
         Ok(all)
+    }
+
+    /// Returns the files of element sets that replace those of the request in the night that begins on an evening; empty if
+    /// those of the request are used.
+    pub fn elements_at(&self, evening_mjd: i64) -> Vec<PathBuf> {
+        let periods = self.growing.iter().filter_map(|file| file.period_at(evening_mjd));
+        periods.flat_map(|period| &period.elements).cloned().collect()
+    }
+
+    /// Returns the results of [`elements_at`](Self::elements_at) in all nights, except for empty ones.
+    pub fn all_elements(&self) -> BTreeSet<Vec<PathBuf>> {
+        self.periods().map(|period| self.elements_at(period.from_mjd)).filter(|files| !files.is_empty()).collect()
     }
 
     /// Returns the number of periods that have begun on the evening `evening_mjd` (MJD of the date). Nights with the
@@ -171,8 +196,21 @@ fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod,
         _ => return Err(wrong("allowed: from = 2027-01-01, a date without quotation marks, 1957 to 2099".to_owned())),
     };
     let evening = Epoch::from_gregorian_utc_at_midnight(i32::from(date.year), date.month, date.day);
+    if entry.elements.is_none() && entry.shells.is_none() {
+        return Err(wrong("it has neither shells nor elements; allowed: at least one of them".to_owned()));
+    }
+    let elements = match entry.elements {
+        Some(given) => files(&given).ok_or_else(|| {
+            let given = given.to_string();
+            wrong(format!(
+                "elements is {}; allowed: the path of a file of element sets, or a list of paths",
+                Quoted::new(&given)
+            ))
+        })?,
+        None => Vec::new(),
+    };
     let mut constellations: Vec<Constellation> = Vec::new();
-    for (name, fraction) in entry.shells {
+    for (name, fraction) in entry.shells.unwrap_or_default() {
         let number = match fraction {
             toml::Value::Float(number) => number,
             toml::Value::Integer(number) => number as f64,
@@ -194,7 +232,14 @@ fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod,
             constellations.push(constellation);
         }
     }
-    Ok(DeploymentPeriod { from, from_mjd: evening.to_mjd_utc_days().floor() as i64, constellations })
+    Ok(DeploymentPeriod { from, from_mjd: evening.to_mjd_utc_days().floor() as i64, elements, constellations })
+}
+
+/// Returns a path or a list of paths; `None` for other values, empty paths and empty lists.
+fn files(given: &toml::Value) -> Option<Vec<PathBuf>> {
+    let list = given.as_array().map_or(std::slice::from_ref(given), Vec::as_slice);
+    let path = |value: &toml::Value| value.as_str().filter(|path| !path.is_empty()).map(PathBuf::from);
+    list.iter().map(path).collect::<Option<Vec<_>>>().filter(|paths| !paths.is_empty())
 }
 
 #[cfg(test)]
@@ -244,8 +289,35 @@ mod tests {
     }
 
     #[test]
+    fn periods_have_element_sets_of_their_own() {
+        let file = |text, name| DeploymentFile::from_toml(text, name).unwrap();
+        let one = file(
+            "[[period]]\nfrom = 2026-10-01\nelements = 'a.csv'\n\
+             [[period]]\nfrom = 2027-01-01\nelements = ['b.csv', '/data/c.csv']\nshells = { oneweb = 1 }\n\
+             [[period]]\nfrom = 2028-01-01\nshells = { oneweb = 1 }",
+            "years/one.toml",
+        );
+        let two = file("[[period]]\nfrom = 2026-12-31\nelements = 'd.csv'", "two.toml");
+        let both = Deployment::new(Vec::new(), vec![one, two]).unwrap();
+        let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+        assert_eq!(both.elements_at(JANUARY_2027_MJD - 100), paths(&[]));
+        assert_eq!(both.elements_at(JANUARY_2027_MJD - 2), paths(&["years/a.csv"]));
+        assert_eq!(both.elements_at(JANUARY_2027_MJD - 1), paths(&["years/a.csv", "d.csv"]));
+        assert_eq!(both.elements_at(JANUARY_2027_MJD), paths(&["years/b.csv", "/data/c.csv", "d.csv"]));
+        assert_eq!(both.elements_at(JANUARY_2027_MJD + 365), paths(&["d.csv"]));
+        assert_eq!(both.all_elements().len(), 4);
+    }
+
+    #[test]
     fn errors_contain_what_is_allowed() {
         for (text, expected) in [
+            ("[[period]]\nfrom = 2027-01-01", "period from 2027-01-01: it has neither shells nor elements"),
+            ("[[period]]\nfrom = 2027-01-01\nelements = []", "elements is []; allowed: the path of a file"),
+            (
+                "[[period]]\nfrom = 2027-01-01\nelements = ['a.csv', 3]",
+                "allowed: the path of a file of element sets, or a",
+            ),
+            ("[[period]]\nfrom = 2027-01-01\nelements = ''", "allowed: the path of a file"),
             ("[[period]]\nfrom = '2027-01-01'\nshells = {}", "invalid value"),
             ("[[period]]\nfrom = 2027-01-01T12:00:00\nshells = {}", "allowed: from = 2027-01-01"),
             (

@@ -269,8 +269,10 @@ pub(super) struct ShellFile {
 #[serde(deny_unknown_fields)]
 pub(super) struct PeriodEntry {
     pub from: Datetime,
+    /// File of element sets, or list of files.
+    pub elements: Option<toml::Value>,
     /// Fractions by name.
-    pub shells: toml::Table,
+    pub shells: Option<toml::Table>,
 }
 
 #[derive(Deserialize)]

@@ -29,8 +29,9 @@ pub struct BestStart {
 /// cannot be judged.
 ///
 /// A delay that is longer than the cost at the scheduled start saves nothing, so that the starts extend over this cost,
-/// and at most over `longest_s`; a cost below 0.06 s is not reduced. The `margin_s` and `blocking` of the policy are not
-/// applied.
+/// and at most over `longest_s`; a cost below 0.06 s is not reduced. If the cost at the scheduled start exceeds the
+/// `max_cost_s` of the policy, they extend over `longest_s`, and a start that does not exceed it is better than all that
+/// do. The `margin_s` and `blocking` of the policy are not applied.
 ///
 /// # Errors
 /// Passes cannot be computed.
@@ -42,7 +43,9 @@ pub fn best_start(
     let verdict = judge_exposures(&[row], request)?.flags.pop();
     let cost_s = verdict.as_ref().and_then(|verdict| verdict.streak_cost_s);
     let (Some(scheduled_cost_s), Ok(exposure)) = (cost_s, &row.exposure) else { return Ok((None, verdict)) };
-    let step_s = scheduled_cost_s.min(longest_s) / f64::from(LATER_STARTS);
+    let exceeds = |cost_s: f64| request.policy.max_cost_s.is_some_and(|most_s| cost_s > most_s);
+    let span_s = if exceeds(scheduled_cost_s) { longest_s } else { scheduled_cost_s.min(longest_s) };
+    let step_s = span_s / f64::from(LATER_STARTS);
     let mut best = BestStart { delay_s: 0.0, streak_cost_s: scheduled_cost_s, scheduled_cost_s };
     if step_s >= TICK_S {
         let delays_s: Vec<f64> = (1..=LATER_STARTS).map(|number| step_s * f64::from(number)).collect();
@@ -53,9 +56,13 @@ pub fn best_start(
         let rows: Vec<ScheduledExposure> = delays_s.iter().map(delayed).collect();
         let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
         for (delay_s, flag) in delays_s.into_iter().zip(flags) {
-            if let Some(streak_cost_s) = flag.streak_cost_s
-                && streak_cost_s + delay_s < best.streak_cost_s + best.delay_s
-            {
+            let Some(streak_cost_s) = flag.streak_cost_s else { continue };
+            let is_better = match (exceeds(streak_cost_s), exceeds(best.streak_cost_s)) {
+                (false, true) => true,
+                (true, false) => false,
+                _ => streak_cost_s + delay_s < best.streak_cost_s + best.delay_s,
+            };
+            if is_better {
                 best = BestStart { delay_s, streak_cost_s, scheduled_cost_s };
             }
         }

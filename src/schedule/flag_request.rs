@@ -26,11 +26,11 @@ pub struct FlagRequest<'a> {
 
 impl<'a> FlagRequest<'a> {
     /// Returns the row of a pass in [`streak_table`](super::streak_table). `limit_mag` is the magnitude limit of
-    /// the exposure.
+    /// the exposure, whose shutter is open for `open_s` if that is shorter.
     #[doc(hidden)]
     pub fn streak_row(
         &self,
-        exposure: &'a Exposure,
+        (exposure, open_s): (&'a Exposure, Option<f64>),
         pass: &'a Pass,
         band: Option<&str>,
         limit_mag: Option<f64>,
@@ -43,7 +43,7 @@ impl<'a> FlagRequest<'a> {
             telescope: self.telescope,
             photometry: self.photometry,
             limit_mag: self.limit_mag_of(pass, band, exposure.duration_s, limit_mag),
-            cost: self.pass_cost(exposure, pass, band, limit_mag),
+            cost: self.pass_cost((exposure, open_s), pass, band, limit_mag),
         }
     }
 

@@ -14,7 +14,7 @@
 //! let satellites = Satellites::synthetic("starlink-gen1", parse_instant("2026-08-14T00:00:00Z", None)?)?;
 //! let sky = Sky::new(satellites, Site::from_mpc("X05")?);
 //! let exposure = Exposure::new("2026-08-14T23:36:25Z", 30.0, "14h53m36s", "-08d54m")?;
-//! let row = ScheduledExposure { id: "1".to_owned(), row: 0, band: None, exposure: Ok(exposure) };
+//! let row = ScheduledExposure { id: "1".to_owned(), row: 0, band: None, open_s: None, exposure: Ok(exposure) };
 //! let (field, policy) = (Field::circle_deg(3.5)?, Policy::limit_mag(7.0));
 //! let photometry = PhotometryOptions::default();
 //! let request =

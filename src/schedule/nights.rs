@@ -100,6 +100,7 @@ mod tests {
             id: "x".into(),
             row,
             band: None,
+            open_s: None,
             exposure: hour.map(exposure).ok_or_else(|| "no".to_owned()),
         };
         Schedule {

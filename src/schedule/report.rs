@@ -105,7 +105,13 @@ impl Sky {
     /// Sun's ephemeris. A pointing below the horizon is not an error: its verdict is [`VerdictKind::Invalid`], with the
     /// reason.
     pub fn judge(&self, exposure: &Exposure, field: &Field, policy: &Policy) -> Result<Verdict, Error> {
-        let row = ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, exposure: Ok(exposure.clone()) };
+        let row = ScheduledExposure {
+            id: exposure.id.clone(),
+            row: 0,
+            band: None,
+            open_s: None,
+            exposure: Ok(exposure.clone()),
+        };
         let photometry = PhotometryOptions::default();
         let request = FlagRequest { sky: self, field, policy, telescope: None, photometry: &photometry };
         let mut report = flag_exposures(&[&row], &request)?;
@@ -152,7 +158,7 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     for (((row, exposure), passes), satellites) in above.iter().zip(crossings.by_exposure).zip(probabilities) {
         request.sky.watch().check()?;
         let band = rows[*row].band.as_deref();
-        let expected = expected_of(&satellites, exposure, band, &passes, request);
+        let expected = expected_of(&satellites, (exposure, rows[*row].open_s), band, &passes, request);
         let may_cross: Vec<SatelliteAge> = satellites
             .iter()
             .map(|satellite| SatelliteAge {
@@ -376,7 +382,7 @@ fn find_starts(
         searches.push(search);
     }
     if policy.confirms_starts() {
-        confirm(searches, above, blocking, &band, &options, request, flags)?;
+        confirm(searches, above, blocking, rows, &options, request, flags)?;
     }
     Ok(())
 }
@@ -437,15 +443,16 @@ fn least_step_s(policy: &Policy) -> f64 {
 ///
 /// A start at which a satellite still blocks, or at which the cost exceeds that of the policy, is replaced by the next
 /// candidate within the longest delay. `band` returns the band of the exposure of a row.
-fn confirm<'a>(
+fn confirm(
     mut searches: Vec<StartSearch>,
     judged: &[(usize, &Exposure)],
     blocking: Blocking,
-    band: &dyn Fn(usize) -> Option<&'a str>,
+    rows: &[&ScheduledExposure],
     options: &PassOptions,
     request: &FlagRequest<'_>,
     flags: &mut [Option<Verdict>],
 ) -> Result<(), Error> {
+    let band = |row: usize| rows[row].band.as_deref();
     let policy = request.policy;
     let scheduled: HashMap<usize, &Exposure> = judged.iter().copied().collect();
     while !searches.is_empty() {
@@ -465,7 +472,8 @@ fn confirm<'a>(
                 .iter()
                 .zip(open.iter().zip(&later).zip(&crossings.by_exposure))
                 .map(|(satellites, ((search, exposure), passes))| {
-                    let expected = expected_of(satellites, exposure, band(search.row), passes, request);
+                    let expected =
+                        expected_of(satellites, (exposure, rows[search.row].open_s), band(search.row), passes, request);
                     expected.streak_cost_s.is_some_and(|cost_s| cost_s > most_s)
                 })
                 .collect(),

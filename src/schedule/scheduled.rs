@@ -33,6 +33,9 @@ pub struct ScheduledExposure {
     pub row: usize,
     /// Band as written in the file; `None` if the schedule has no band. Any name is accepted.
     pub band: Option<String>,
+    /// Time with open shutter, seconds, if it is shorter than the exposure: a visit of several snaps lasts until the last
+    /// one ends, with shutter and readout between them.
+    pub open_s: Option<f64>,
     /// The exposure, or the reason why the row is invalid.
     pub exposure: Result<Exposure, String>,
 }
@@ -393,15 +396,19 @@ fn scheduled_exposure(
     let numbered = || (row + 1).to_string();
     let cells = match cells {
         Ok(cells) => cells,
-        Err(reason) => return ScheduledExposure { id: numbered(), row, band: None, exposure: Err(reason.clone()) },
+        Err(reason) => {
+            return ScheduledExposure { id: numbered(), row, band: None, open_s: None, exposure: Err(reason.clone()) };
+        }
     };
     let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
     let id = map.id.and_then(|index| cell(index).text()).unwrap_or_else(numbered);
     let band = map.band.and_then(|index| cell(index).text());
-    let exposure = exposure(&id, cell, map, scales, scale, options);
-    ScheduledExposure { id, row, band, exposure }
+    let (exposure, open_s) = exposure(&id, cell, map, scales, scale, options)
+        .map_or_else(|reason| (Err(reason), None), |(exposure, open_s)| (Ok(exposure), open_s));
+    ScheduledExposure { id, row, band, open_s, exposure }
 }
 
+/// Returns the exposure of a row, and the time with open shutter, seconds, if that is shorter.
 fn exposure<'a>(
     id: &str,
     cell: impl Fn(usize) -> &'a Cell,
@@ -409,7 +416,7 @@ fn exposure<'a>(
     scales: &Scales,
     scale: TimeScale,
     options: &ScheduleOptions,
-) -> Result<Exposure, String> {
+) -> Result<(Exposure, Option<f64>), String> {
     let number = |index: usize, scale: f64, name: &str, range: RangeInclusive<f64>| {
         let value = scale * cell(index).number().map_err(|what| format!("{name} {what}"))?;
         if range.contains(&value) {
@@ -428,6 +435,7 @@ fn exposure<'a>(
     if !(duration_s > 0.0 && duration_s <= LONGEST_EXPOSURE_S) {
         return Err(format!("duration is {duration_s}; allowed: above 0 to {LONGEST_EXPOSURE_S}"));
     }
+    let open_s = duration_s;
     // Between snaps the camera is read out, so that the last snap ends later than the sum of the exposures.
     let is_stated = |index: &usize| *cell(*index) != Cell::Missing;
     let snaps = map.snaps.filter(|index| map.is_sum && is_stated(index));
@@ -450,13 +458,14 @@ fn exposure<'a>(
         }
         _ => options.default_rotation_rad,
     };
-    Ok(Exposure {
+    let exposure = Exposure {
         id: id.to_owned(),
         start,
         duration_s,
         pointing: Direction::from_lon_lat_rad(right_ascension_deg.to_radians(), declination_deg.to_radians()),
         rotation_rad,
-    })
+    };
+    Ok((exposure, (open_s < duration_s).then_some(open_s)))
 }
 
 fn start_of(cell: &Cell, column: &StartColumn, scale: TimeScale) -> Result<Epoch, String> {

@@ -11,10 +11,11 @@ use super::limits::SatelliteLimit;
 use super::tables::PassCost;
 use super::verdict_rules::{ExpectedLoss, peak_brightness};
 
-/// Returns probabilities and expected losses of one exposure. `satellites` and `passes` are those of the exposure.
+/// Returns probabilities and expected losses of one exposure, whose shutter is open for `open_s` if that is shorter.
+/// `satellites` and `passes` are those of the exposure.
 pub(super) fn expected_of(
     satellites: &[CrossingProbability],
-    exposure: &Exposure,
+    (exposure, open_s): (&Exposure, Option<f64>),
     band: Option<&str>,
     passes: &[Pass],
     request: &FlagRequest<'_>,
@@ -72,7 +73,7 @@ pub(super) fn expected_of(
     }
     ExpectedLoss {
         lost_pixel_fraction: Some(lost.min(1.0)),
-        streak_cost_s: Some(cost.seconds(exposure.duration_s, shares)),
+        streak_cost_s: Some(cost.seconds(open_s.unwrap_or(exposure.duration_s), shares)),
         ..expected
     }
 }
@@ -83,11 +84,12 @@ impl FlagRequest<'_> {
     ///
     /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the
     /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is bright only by
-    /// thermal emission. `limit_mag` is the hard limit of the exposure, instead of `limit_mag` of the policy.
+    /// thermal emission. `limit_mag` is the hard limit of the exposure, instead of `limit_mag` of the policy. The shutter
+    /// of the exposure is open for `open_s` if that is shorter.
     #[doc(hidden)]
     pub fn pass_cost(
         &self,
-        exposure: &Exposure,
+        (exposure, open_s): (&Exposure, Option<f64>),
         pass: &Pass,
         band: Option<&str>,
         limit_mag: Option<f64>,
@@ -121,7 +123,7 @@ impl FlagRequest<'_> {
             p_bright,
             p_above_limit: of_seen(p_above(brightness.as_ref(), limits.of_pass(pass))),
         });
-        Some(PassCost { streak_cost_s: cost.seconds(exposure.duration_s, share), p_bright })
+        Some(PassCost { streak_cost_s: cost.seconds(open_s.unwrap_or(exposure.duration_s), share), p_bright })
     }
 }
 

@@ -230,4 +230,14 @@ fn a_first_period_in_the_future_is_an_error() {
         };
         assert_eq!(findings.iter().any(is_error), expected, "{findings:?}");
     }
+    // The element sets of a period are those that are checked.
+    let elements = file(&folder);
+    for (name, expected) in [("missing.tle", "missing.tle: No such file"), (elements.as_str(), "median age")] {
+        std::fs::write(&growth, format!("[[period]]\nfrom = 2026-08-13\nelements = '{name}'\n")).unwrap();
+        let (_, findings, _) = findings(&["--shells", &growth, "--mpc", "X05"]);
+        assert!(
+            findings.iter().any(|(_, subject, text)| subject == "elements" && text.contains(expected)),
+            "{findings:?}"
+        );
+    }
 }

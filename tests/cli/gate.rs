@@ -101,6 +101,26 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
         }
     }
     assert!(waited > 0, "no wait is worth its time");
+    // With the largest cost of a policy the exposure starts when its cost is small enough, or is not clear.
+    let policy = path(&folder, "policy.toml");
+    let now = "2024-08-14T23:45:00.000Z";
+    let free_s = cost_at(now, "0.08");
+    assert!(free_s > 0.2, "{free_s} s");
+    for (most_s, longest, verdict) in [(0.5 * free_s, "1min", "start"), (0.01 * free_s, "1s", "not_clear")] {
+        fs::write(&policy, format!("max_cost_s = {most_s}")).unwrap();
+        let more: &[&str] = &["--telescope", "rubin", "--policy", &policy, "--max-wait", longest, "--now", now];
+        let (code, stderr, status) = gate(&folder, &[POINTING, more].concat());
+        assert_eq!((code, status["verdict"].as_str()), (0, Some(verdict)), "{stderr}");
+        assert_eq!(verdict == "start", status["streak_cost_s"].as_f64().unwrap() <= most_s, "{status}");
+        // A start that exceeds neither a limit nor the cost. All satellites are fainter than this limit.
+        fs::write(&policy, format!("max_cost_s = {most_s}\nlimit_mag = -5")).unwrap();
+        let (_, stderr, status) = gate(&folder, &[POINTING, more].concat());
+        assert_eq!(status["verdict"] == "clear", verdict == "start", "{stderr}");
+        if verdict == "start" {
+            let start = status["start_utc"].as_str().unwrap();
+            assert!(status["waited_s"].as_f64().unwrap() > 0.0 && cost_at(start, "0.08") <= most_s + 2e-3, "{stderr}");
+        }
+    }
     // A limit or `any` selects the satellites that block, as without a telescope.
     for more in [&["--limit-mag", "7"][..], &["--blocking", "any"]] {
         let (_, stderr, status) = gate(&folder, &[POINTING, &["--telescope", "rubin", "--now", NOW], more].concat());

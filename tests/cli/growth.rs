@@ -235,6 +235,78 @@ fn the_server_has_the_satellites_of_each_night() {
     assert!(problem.status == 400 && detail.contains("begin with the night of 2026-08-01"), "{detail}");
 }
 
+/// A period with files of element sets uses these instead of those of the request, the others those of the request.
+#[test]
+fn periods_have_element_sets_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("sets")).unwrap();
+    let tle = |name: &str, number: u32, mean_anomaly: &str| {
+        let lines = [
+            format!("1 {number}U 98067A   26226.50000000  .00000000  00000+0  00000-0 0  999"),
+            format!("2 {number}  51.6304 193.4497 0006669 272.1743 {mean_anomaly} 15.4894766457509"),
+        ];
+        let sum =
+            |line: &str| line.chars().map(|c| if c == '-' { 1 } else { c.to_digit(10).unwrap_or(0) }).sum::<u32>() % 10;
+        written(&folder, name, &lines.map(|line| format!("{line}{}\n", sum(&line))).concat())
+    };
+    let request = tle("request.tle", 10_001, " 87.8481");
+    tle("sets/first.tle", 20_001, " 87.8481");
+    let other = tle("other.tle", 20_002, "187.8481");
+    let growth = |first: &str| {
+        let text = format!(
+            "[[period]]\nfrom = 2026-08-01\n{first}\n[[period]]\nfrom = 2026-08-14\nshells = {{ oneweb = 1 }}\n"
+        );
+        written(&folder, "growth.toml", &text)
+    };
+    let file = growth("elements = ['sets/first.tle', 'other.tle']");
+    let both = written(&folder, "both.csv", &schedule(&["2026-08-14", "2026-08-15"]));
+    let base = ["--shells", &file, "--elements", &request];
+    let flags = done(&[&["flag", "--schedule", &both, "--format", "json"], &base, &SKY]);
+    let answer: Value = serde_json::from_str(&flags).unwrap();
+    let periods = answer["provenance"]["periods"].as_array().unwrap();
+    let satellites: Vec<_> = periods.iter().map(|period| period["satellites"].as_u64().unwrap()).collect();
+    assert_eq!(satellites, [2, 1 + 6372]);
+    let files = |period: &Value| -> Vec<String> {
+        period["elements"].as_array().unwrap().iter().map(|one| one["file"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(files(&periods[0]), [path(&folder, "sets/first.tle"), other.clone()]);
+    assert_eq!(files(&periods[1]), std::slice::from_ref(&request));
+    // Verdicts of the first night are those of its files alone.
+    let first = written(&folder, "first.csv", &schedule(&["2026-08-14"]));
+    let alone = ["--elements", &path(&folder, "sets/first.tle"), "--elements", &other];
+    let alone = rows(&done(&[&["flag", "--schedule", &first, "--format", "csv"], &alone, &SKY]));
+    let of_both = rows(&done(&[&["flag", "--schedule", &both, "--format", "csv"], &base, &SKY]));
+    assert_eq!(alone, of_both[..alone.len()]);
+    // A request of one night, and a server.
+    let passes = ["ephemeris", "--times", "2026-08-14T00:00:00Z", "--mpc", "X05"];
+    let code = |satellite: &str| run(&[&passes, &base, &["--norad", satellite]]).0;
+    assert_eq!(["20001", "20002", "10001"].map(code), [0, 0, 2]);
+    let server = Server::start(&[&["--schedule", &both], &base[..], &SKY].concat());
+    let sources = |start: &str| {
+        let request = format!("/api/v1/exposure?start_utc={start}&duration_s=30&ra_deg=60&dec_deg=-40");
+        files(&server.json(&request)["provenance"])
+    };
+    assert_eq!(sources("2026-08-14T01:00:00Z"), [path(&folder, "sets/first.tle"), other]);
+    assert_eq!(sources("2026-08-15T01:00:00Z"), [request]);
+    let (code, stdout, _) = run(&[&["shells", &file]]);
+    assert!(code == 0 && stdout.contains("element sets of") && stdout.contains("first.tle"), "{stdout}");
+
+    written(&folder, "empty.tle", "");
+    written(&folder, "wrong.tle", "not an element set\n");
+    for (first, expected) in [
+        ("elements = 'missing.tle'", "missing.tle: No such file or directory"),
+        ("elements = 'empty.tle'", "empty.tle is empty"),
+        ("elements = 'wrong.tle'", "wrong.tle contains no element sets"),
+        ("elements = 3", "growth.toml: constellation file: period from 2026-08-01: elements is 3; allowed: the path"),
+        ("", "growth.toml: constellation file: period from 2026-08-01: it has neither shells nor elements"),
+    ] {
+        let file = growth(first);
+        let (code, _, stderr) = run(&[&["flag", "--schedule", &both, "--shells", &file], &SKY]);
+        assert!(code == 2 && stderr.contains(expected), "{first}: {stderr}");
+        assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    }
+}
+
 /// Before the first satellites are in orbit, all exposures are clear.
 #[test]
 fn a_period_may_have_no_satellites() {
@@ -255,7 +327,8 @@ fn nights_before_the_first_period_are_an_error() {
     let (code, _, error) = run(&[&arguments, &SKY]);
     assert!(
         code == 2
-            && error.contains("growth.toml: the simulated constellations begin with the night of 2026-08-14")
+            && error
+                .contains("growth.toml: the periods begin with the night of 2026-08-14, after the night of 2026-08-13")
             && error.contains("[[period]]"),
         "{error}"
     );

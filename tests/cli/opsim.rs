@@ -205,4 +205,16 @@ fn visits_of_several_snaps_last_until_the_last_one() {
     assert_eq!(durations("unknown.db", ", numExposures, visitTime", &rows), [Ok(34.0), Ok(34.0), Ok(30.0)]);
     assert_eq!(durations("visit.db", ", visitTime", &format!("(1, {visit}, 34.0)")), [Ok(34.0)]);
     assert_eq!(durations("plain.db", "", &format!("(1, {visit})")), [Ok(30.0)]);
+    // The cost is of the time with open shutter: a satellite brighter than the limit costs 30 s, and not 34 s.
+    let schedule = folder.path().join("visit.db").display().to_string();
+    let sky =
+        ["--shells", "starlink-gen1", "--mpc", "X05", "--time-scale", "utc", "--fov", "20deg", "--telescope", "rubin"];
+    let rules = ["--limit-mag", "40", "--bright-share", "1", "-q"];
+    let answer = json(&[&["flag", "--schedule", &schedule], &sky, &rules]);
+    assert_eq!(answer["flags"][0]["streak_cost_s"], 30.0);
+    let output = folder.path().join("out.db").display().to_string();
+    done(&[&["annotate", "--schedule", &schedule, "-o", &output], &sky, &rules]);
+    let query = "SELECT max(streak_cost_s) FROM streaks";
+    let most_s: f64 = rusqlite::Connection::open(&output).unwrap().query_row(query, [], |row| row.get(0)).unwrap();
+    assert!((29.0..=30.0).contains(&most_s), "{most_s} s");
 }

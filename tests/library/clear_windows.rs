@@ -44,6 +44,7 @@ fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<V
             id: row.to_string(),
             row,
             band: None,
+            open_s: None,
             exposure: Ok(exposure(seconds_after(dusk(), *start_s), EXPOSURE_S, number)),
         })
         .collect();
@@ -231,7 +232,13 @@ fn verif_windows_begin_at_the_next_starts_of_verdicts() {
                 for step in 0..12 {
                     let start = seconds_after(dusk(), 150.0 * f64::from(step));
                     let exposure = exposure(start, EXPOSURE_S, number);
-                    let row = ScheduledExposure { id: "e".into(), row: 0, band: None, exposure: Ok(exposure.clone()) };
+                    let row = ScheduledExposure {
+                        id: "e".into(),
+                        row: 0,
+                        band: None,
+                        open_s: None,
+                        exposure: Ok(exposure.clone()),
+                    };
                     let report = flag_exposures(&[&row], &conditions).expect("flags");
                     let flag = &report.flags[0];
                     let target = WindowTarget { exposure, band: None };

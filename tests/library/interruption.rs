@@ -44,6 +44,7 @@ fn rows(number: usize) -> Vec<ScheduledExposure> {
         id: exposure.id.clone(),
         row,
         band: None,
+        open_s: None,
         exposure: Ok(exposure),
     };
     exposures(number, 30.0).into_iter().enumerate().map(row).collect()

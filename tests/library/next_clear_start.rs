@@ -41,6 +41,7 @@ fn verif_a_shifted_row_is_not_avoided_for_its_cost() {
         id: number.to_string(),
         row: number,
         band: None,
+        open_s: None,
         exposure: Ok(Exposure {
             id: number.to_string(),
             start,

@@ -134,7 +134,13 @@ fn verif_limits_of_verdicts_and_windows() {
         let rows: Vec<ScheduledExposure> = (0..100)
             .map(|_| seconds_after(from, random.between(0.0, span_s)))
             .map(|start| Exposure { start, ..target.exposure.clone() })
-            .map(|exposure| ScheduledExposure { id: String::new(), row: 0, band: None, exposure: Ok(exposure) })
+            .map(|exposure| ScheduledExposure {
+                id: String::new(),
+                row: 0,
+                band: None,
+                open_s: None,
+                exposure: Ok(exposure),
+            })
             .collect();
         let flags = flag_exposures(&rows.iter().collect::<Vec<_>>(), &conditions).expect("verdicts").flags;
         for (row, flag) in rows.iter().zip(flags) {
@@ -577,7 +583,7 @@ fn exposures_outside_the_ephemerides_of_the_telescope_are_invalid() {
             pointing: zenith(after_s),
             rotation_rad: 0.0,
         };
-        ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, exposure: Ok(exposure) }
+        ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, open_s: None, exposure: Ok(exposure) }
     })
     .collect();
     let field = Field::circle(30f64.to_radians()).expect("a field");

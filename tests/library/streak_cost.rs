@@ -75,7 +75,13 @@ fn exposures(sky: &Sky, start: Epoch, night_s: f64, count: usize) -> Vec<Schedul
         };
         let altitude_rad = sky.pointing_altaz(&exposure.pointing, exposure.start).expect("an altitude").altitude_rad;
         if altitude_rad > 0.55 {
-            rows.push(ScheduledExposure { id: exposure.id.clone(), row: number, band: None, exposure: Ok(exposure) });
+            rows.push(ScheduledExposure {
+                id: exposure.id.clone(),
+                row: number,
+                band: None,
+                open_s: None,
+                exposure: Ok(exposure),
+            });
         }
     }
     rows
@@ -118,7 +124,7 @@ fn verif_costs_of_a_night_with_real_satellites() {
         .map(|(exposure, passes)| {
             passes
                 .iter()
-                .filter_map(|pass| request.pass_cost(exposure, pass, None, None).map(|cost| cost.streak_cost_s))
+                .filter_map(|pass| request.pass_cost((exposure, None), pass, None, None).map(|cost| cost.streak_cost_s))
                 .sum()
         })
         .collect();

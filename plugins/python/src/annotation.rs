@@ -47,14 +47,16 @@ impl Engine {
                 stated
             });
             // Constellations that grow differ from night to night.
-            let shells = prepared.provenance.get("shells").cloned().unwrap_or_default();
-            if periods.last().is_none_or(|last| last["shells"] != shells) {
+            let [shells, elements] =
+                ["shells", "elements"].map(|name| prepared.provenance.get(name).cloned().unwrap_or_default());
+            if periods.last().is_none_or(|last| last["shells"] != shells || last["elements"] != elements) {
                 let first =
                     rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|exposure| exposure.start).min();
                 periods.push(json!({
                     "first_start_utc": first.map(|first| format_utc(first, 3)),
                     "satellites": prepared.sky.elements().len(),
                     "shells": shells,
+                    "elements": elements,
                 }));
             }
             let request = self.request(field, prepared);
@@ -62,7 +64,8 @@ impl Engine {
                 let (Ok(exposure), false) = (&row.exposure, flag.passes.is_empty()) else { continue };
                 let band = row.band.as_deref();
                 let limit_mag = self.policy.limit_mag_in(band);
-                let streaks = flag.passes.iter().map(|pass| request.streak_row(exposure, pass, band, limit_mag));
+                let streaks =
+                    flag.passes.iter().map(|pass| request.streak_row((exposure, row.open_s), pass, band, limit_mag));
                 by_row.insert(row.row, streak_table(streaks, columns).rows);
                 // Of many nights only the rows are kept.
                 flag.passes = Vec::new();
@@ -73,6 +76,12 @@ impl Engine {
         let mut provenance = provenance.unwrap_or_default();
         state_scales(&mut provenance, &scale_name(schedule.time_scale), &self.photometry);
         provenance.state("schedule", schedule.statement(path));
+        // The files are those of all nights unless periods have their own.
+        if periods.iter().all(|period| period["elements"] == periods[0]["elements"]) {
+            periods.iter_mut().filter_map(serde_json::Value::as_object_mut).for_each(|period| {
+                period.remove("elements");
+            });
+        }
         if periods.len() > 1 {
             provenance.state("periods", periods);
         }

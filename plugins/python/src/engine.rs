@@ -528,7 +528,7 @@ impl Engine {
                 let (request, band) = (self.request(field, prepared), bands[*index].as_deref());
                 let limit_mag =
                     limits_mag.and_then(|limits| limits.get(*index).copied()).filter(|limit| !limit.is_nan());
-                passes.iter().map(move |pass| request.streak_row(exposure, pass, band, limit_mag))
+                passes.iter().map(move |pass| request.streak_row((exposure, None), pass, band, limit_mag))
             })
             .collect();
         let columns = StreakColumns {

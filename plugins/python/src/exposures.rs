@@ -112,7 +112,7 @@ impl Columns<'_> {
         let band = bands_of(bands, count)?;
         self.each(py, |columns, index| {
             let exposure = columns.exposure(index, false, &str::to_owned);
-            Ok(ScheduledExposure { id: index.to_string(), row: index, band: band(index), exposure })
+            Ok(ScheduledExposure { id: index.to_string(), row: index, band: band(index), open_s: None, exposure })
         })
     }
 
@@ -188,6 +188,7 @@ pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<Schedule
         id: exposure.id.clone(),
         row,
         band: band(row),
+        open_s: None,
         exposure: Ok(exposure),
     };
     Ok(exposures.into_iter().enumerate().map(row).collect())

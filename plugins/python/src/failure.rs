@@ -8,6 +8,7 @@ use std::time::Duration;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use streakcast::Watch;
+use streakcast::config::Config;
 use streakcast::message::bounded;
 
 pyo3::create_exception!(streakcast, StreakcastError, PyValueError, "Invalid request.");
@@ -43,8 +44,25 @@ pub fn all_as_arguments<'a>(messages: impl IntoIterator<Item = &'a String>) -> V
     messages.into_iter().map(|message| as_arguments(message)).collect()
 }
 
-/// Replaces flags by argument names, for example `--observer-elements` by `observer_elements`.
+/// Replaces flags and names of settings by argument names, for example `--observer-elements` by `observer_elements` and
+/// `bright-share` by `bright_share`.
 pub fn as_arguments(message: &str) -> String {
+    let is_end = |c: Option<char>| !c.is_some_and(|c| c.is_ascii_alphanumeric() || "-_./\\".contains(c));
+    let mut message = message.to_owned();
+    for key in Config::QUESTIONS.iter().flat_map(|question| question.keys).filter(|key| key.contains('_')) {
+        let setting = key.replace('_', "-");
+        let mut at = 0;
+        while let Some(found) = message[at..].find(&setting) {
+            let (begin, end) = (at + found, at + found + setting.len());
+            // Not in paths and other names.
+            let ends_sentence = message[end..].trim_start_matches('.').starts_with(char::is_whitespace);
+            if is_end(message[..begin].chars().next_back()) && (ends_sentence || is_end(message[end..].chars().next()))
+            {
+                message.replace_range(begin..end, key);
+            }
+            at = end;
+        }
+    }
     let mut words = message.split("--");
     let mut converted = words.next().unwrap_or_default().to_owned();
     for word in words {

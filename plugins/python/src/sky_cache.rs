@@ -153,7 +153,7 @@ impl SkyCache {
 
     /// Returns names and SHA-256 of the element files, as read.
     fn element_files(&self) -> Vec<(String, String)> {
-        self.inputs.sources().iter().map(|source| (source.name.to_string(), source.sha256.clone())).collect()
+        self.inputs.sources().map(|source| (source.name.to_string(), source.sha256.clone())).collect()
     }
 
     /// Returns the number of satellites prepared for a night.
@@ -167,7 +167,11 @@ impl SkyCache {
 #[pyfunction]
 #[pyo3(signature = (setup, config=None))]
 pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> {
-    let mut files: Vec<PathBuf> = setup_of(setup, config)?.files();
+    let setup = setup_of(setup, config)?;
+    let mut files: Vec<PathBuf> = setup.files();
+    // Errors in a file of constellations are reported when it is loaded.
+    let of_periods = setup.deployment().map(|deployment| deployment.all_elements()).unwrap_or_default();
+    files.extend(of_periods.into_iter().flatten());
     files.extend(config.map(PathBuf::from));
     Ok(files)
 }

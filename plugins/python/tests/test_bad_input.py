@@ -126,7 +126,11 @@ def test_masked_times(model):
         ({"fov": "3.5"}, "unit"),
         ({"fov": "0deg"}, "above 0 deg"),
         ({"telescope": "hubble"}, "hubble"),
-        ({"limit_mag": 99}, "-30 to 40 mag"),
+        ({"limit_mag": 99}, "limit_mag is 99 mag; allowed: -30 to 40 mag"),
+        ({"limit_surface_brightness": 99, "telescope": "rubin"}, "limit_surface_brightness is 99"),
+        # Paths are not changed.
+        ({"telescope": "/nowhere/limit-mag.toml"}, "/nowhere/limit-mag.toml"),
+        ({"eop": "bright-share.txt"}, "bright-share.txt"),
         ({"limit_mag": "7"}, "limit_mag is '7'; allowed: a number, or numbers by band"),
         ({"limit_mag": "telescope"}, "limit_mag is 'telescope'; allowed: a number"),
         ({"limit_mag": True}, "limit_mag is True; allowed: a number"),
@@ -146,8 +150,8 @@ def test_masked_times(model):
         ({"mjd_scale": 1}, "mjd_scale is 1; allowed: a string"),
         ({"policy": {"max_cost_s": -2.0}}, "above 0, at most 86400 s"),
         ({"policy": {"max_cost_s": 0.1}}, "missing telescope"),
-        ({"bright_share": 0.3}, "missing telescope"),
-        ({"telescope": "rubin", "bright_share": -0.3}, "0 to 100"),
+        ({"bright_share": 0.3}, "missing telescope for bright_share"),
+        ({"telescope": "rubin", "bright_share": -0.3}, "bright_share is -0.3; allowed: 0 to 100"),
         ({"policy": "/nowhere/policy.toml"}, "/nowhere/policy.toml"),
         ({"models": {"files": ["/nowhere/model.json"]}}, "/nowhere/model.json"),
         ({"models": {"generations": {"oneweb": "nothing"}}}, "nothing"),
@@ -167,6 +171,20 @@ def test_bad_setups(more, message):
         built.assess(TARGET, START, 30.0)
     # Flags of the command line are replaced by argument names.
     assert "--" not in str(caught.value)
+
+
+def test_invalid_exposures_leave_the_others(model):
+    ra, dec = np.array([188.5, np.nan, 188.5, 188.5, 188.5]), np.array([-30.5, -30.5, 95.0, -30.5, -30.5])
+    start, exposure = np.array([61_266.98, 61_266.98, 61_266.98, np.nan, 61_266.99]), 30.0
+    expected = model.assess((ra[[0, 4]], dec[[0, 4]]), start[[0, 4]], exposure, scale="utc")
+    for method in (model.assess, model.flag):
+        with pytest.raises(ValueError, match="NaN"):
+            method((ra, dec), start, exposure, scale="utc")
+        with pytest.warns(streakcast.StreakcastWarning, match=r"3 of 5 exposures are invalid .*; first row 1: ra_deg is missing"):
+            found = method((ra, dec), start, exposure, scale="utc", keep_invalid=True)
+        verdicts = found["verdict"] if method == model.flag else found.verdict
+        assert np.asarray(verdicts)[1:4].tolist() == ["invalid"] * 3
+        assert np.asarray(verdicts)[[0, 4]].tolist() == expected.verdict.tolist()
 
 
 def test_numpy_numbers_are_accepted():

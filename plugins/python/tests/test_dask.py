@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import threading
 import time
 
@@ -151,6 +152,51 @@ def test_a_growing_survey_with_streaks_next_starts_and_warnings(visits, tmp_path
     np.testing.assert_array_equal(streaks["magnitude_peak"], passes["magnitude_peak"])
     lengths = model.assess(pointing, start, exposure_s + 4.0, band=few["band"]).streak_length_deg
     np.testing.assert_array_equal(longer["streak_length_deg"], lengths)
+    costs_s = model.assess(pointing, start, exposure_s + 4.0, band=few["band"]).streak_cost_s
+    np.testing.assert_allclose(longer["streak_cost_s"], costs_s * exposure_s / (exposure_s + 4.0))
+
+
+def test_periods_with_element_sets_of_their_own(data, visits, tmp_path):
+    """They are files of the model: a changed one is read again."""
+    source = data / "tle" / "active" / "active_2026-04-25.txt"
+    lines = source.read_text().splitlines(keepends=True)[3000:3300]
+    (tmp_path / "sets").mkdir()
+    (tmp_path / "sets" / "few.tle").write_text("".join(lines))
+    growth = tmp_path / "growth.toml"
+    growth.write_text(
+        "[[period]]\nfrom = 2026-04-01\nelements = 'sets/few.tle'\n[[period]]\nfrom = 2026-08-20\nshells = { oneweb = 1 }\n"
+    )
+    setup = {"mpc": "X05", "shells": str(growth), "telescope": "rubin", "mjd_scale": "utc"}
+    model = streakcast.StreakModel(**setup)
+    assert [model.satellites(night) for night in (61_157.2, 61_290.2)] == [100, 6372]
+    both = streakcast.StreakModel(**setup, elements=str(source))
+    assert both.satellites(61_157.2) == 100 and both.satellites(61_290.2) > 10_000 + 6372
+    few = {name: column[:EACH] for name, column in visits.items()} | {"start": 61_157.98 + np.arange(EACH) / 2_000}
+    pointing = few["ra_deg"], few["dec_deg"]
+    expected = streakcast.StreakModel(**{**setup, "shells": None}, elements=str(tmp_path / "sets" / "few.tle"))
+    expected = expected.assess(pointing, few["start"], few["exposure_s"], band=few["band"])
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        same(streakcast.dask.read(streakcast.dask.annotate(few, model, client, tmp_path / "nights")), expected)
+    (tmp_path / "sets" / "few.tle").write_text("".join(lines[:150]))
+    assert model.changed_files() == [str(tmp_path / "sets" / "few.tle")]
+    assert model.reloaded().satellites(61_157.2) == 50
+    (tmp_path / "sets" / "few.tle").unlink()
+    with pytest.raises(streakcast.SetupError, match="few.tle"):
+        streakcast.StreakModel(**setup)
+
+
+def test_without_pyarrow(visits, survey_model, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    for call in (
+        lambda: streakcast.dask.annotate(visits, survey_model, None, tmp_path),
+        lambda: streakcast.dask.read([tmp_path / "night-1.parquet"]),
+        lambda: streakcast.dask.read_streaks([tmp_path / "night-1.parquet"]),
+    ):
+        with pytest.raises(ImportError, match="requires pyarrow.*pip install pyarrow"):
+            call()
 
 
 def test_quiet_nights_invalid_visits_unknown_positions_and_units(data, visits, tmp_path):

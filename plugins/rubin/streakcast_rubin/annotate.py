@@ -29,12 +29,18 @@ def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, N
     -------
     dict of arrays, ``(n_visits,)`` each
         As `StreakModel.flag`: ``verdict``, ``n_streaks``, ``brightest_mag``, ``expected_lost_pixel_fraction``,
-        ``p_any``, ``streak_length_deg``, ``norad_ids`` and more.
+        ``p_any``, ``streak_length_deg``, ``norad_ids`` and more. Visits with NaN or numbers out of range have the verdict
+        ``invalid``.
+
+    Warns
+    -----
+    StreakcastWarning
+        Visits are invalid.
     """
     scale = scale_of(model, mjd_scale)
     target, rotation, bands = pointings(visits)
-    found = model.flag(target, visits["mjd"], visits["exptime"], rotation=rotation, band=bands, scale=scale, output="dict")
-    return dict(found)
+    options: dict[str, Any] = {"rotation": rotation, "band": bands, "scale": scale, "output": "dict"}
+    return dict(model.flag(target, visits["mjd"], visits["exptime"], keep_invalid=True, **options))
 
 
 def annotate(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import math
-from collections import Counter
+import os
+from collections import Counter, deque
 from typing import Any, Union
 
 import numpy as np
@@ -13,11 +14,12 @@ from rubin_scheduler.scheduler.schedulers import BaseQueueManager
 from streakcast import StreakModel
 from streakcast.hosts import Hook
 
-from ._arrays import BoolArray, FloatArray, IntArray
+from ._arrays import BoolArray, IntArray
 from ._candidates import OPEN_SHARE, candidates, choose, detours_s
 from ._checks import at_least
 from ._costs import Costs, costs_of, with_costs
 from ._dispatched import DispatchedVisits, Owner, key_of
+from ._exchanges import MOST_EXCHANGES, Exchange, table_of, write
 from ._mount import Mount, Openings
 from ._verdicts import ConditionsCheck, scale_of
 
@@ -65,6 +67,10 @@ class StreakQueueManager(BaseQueueManager):
         ``exchanged`` (visits dispatched before the first one), ``saved_s`` and ``detour_s`` (sums over the exchanged
         visits: cost of the first less that of the dispatched visit, seconds of open shutter, and detours, seconds of the
         night), ``no_coordinates``, ``not_judged``, ``failed`` and the counters of `streakcast.hosts.Hook`.
+    exchanges : dict of arrays
+        The last 500,000 exchanges, for `survey_summary`: ``mjd`` (predicted shutter opening), ``target_id`` and ``band`` of
+        the dispatched visit, ``first_target_id``, ``first_cost_s`` and ``cost_s`` (costs of the first and of the dispatched
+        visit), ``saved_s`` and ``detour_s``.
 
     Raises
     ------
@@ -93,12 +99,22 @@ class StreakQueueManager(BaseQueueManager):
         self.hook = Hook(with_costs(model, bright_share, limit_mag), "rubin", watch_s=watch_s)
         self._check = ConditionsCheck(self.hook, self.mjd_scale)
         self._dispatched, self._owner = DispatchedVisits(), Owner()
+        self._exchanges: deque[Exchange] = deque(maxlen=MOST_EXCHANGES)
         self._choosing = False
 
     @property
     def counts(self) -> Counter[str]:
         """Counts of events."""
         return self.hook.counts
+
+    @property
+    def exchanges(self) -> dict[str, Any]:
+        """Exchanges as columns."""
+        return table_of(self._exchanges)
+
+    def write_exchanges(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes the exchanges as ECSV, a table that `survey_summary` and astropy read."""
+        write(self.exchanges, path)
 
     # Methods called by rubin_scheduler -------------------------------------------------------------------------------
 
@@ -187,10 +203,16 @@ class StreakQueueManager(BaseQueueManager):
         if not near[1:].any():
             return int(indices[0])
         visits, indices, detour_s = visits[near], indices[near], detour_s[near]
-        costs = costs_of(model, visits, Openings(*(column[near] for column in openings)), self.mjd_scale)
+        openings = Openings(*(column[near] for column in openings))
+        costs = costs_of(model, visits, openings, self.mjd_scale)
         chosen = choose(costs.cost_s, detour_s)
         if chosen > 0:
-            self._account(visits, costs, detour_s, chosen)
+            first, one = visits[0], visits[chosen]
+            exchange = Exchange(
+                float(openings.start_mjd[chosen]), int(one["target_id"]), str(one["band"]), int(first["target_id"]),
+                float(costs.cost_s[0]), float(costs.cost_s[chosen]), float(detour_s[chosen]),
+            )  # fmt: skip
+            self._account(exchange, _visit_text(first), _crossing_text(costs, 0))
         return int(indices[chosen])
 
     def _has_coordinates(self, visits: Any) -> BoolArray:
@@ -200,15 +222,15 @@ class StreakQueueManager(BaseQueueManager):
             self.hook.note("no_coordinates", f"visit {visits['target_id'][~has_coordinates][0]} has no coordinates and is not checked")
         return has_coordinates
 
-    def _account(self, visits: Any, costs: Costs, detour_s: FloatArray, chosen: int) -> None:
-        """Updates the counters, and writes a log line."""
-        saved_s, longer_s = float(costs.cost_s[0] - costs.cost_s[chosen]), float(detour_s[chosen])
+    def _account(self, exchange: Exchange, first: str, crossing: str) -> None:
+        """Records an exchange, updates the counters, and writes a log line with texts about the first visit."""
+        self._exchanges.append(exchange)
         self.counts["exchanged"] += 1
-        self.counts["saved_s"] += saved_s  # type: ignore[assignment]
-        self.counts["detour_s"] += longer_s  # type: ignore[assignment]
+        self.counts["saved_s"] += exchange.saved_s  # type: ignore[assignment]
+        self.counts["detour_s"] += exchange.detour_s  # type: ignore[assignment]
         log.info(
             "%s after visit %d: streaks cost %.2f s instead of %.2f s, detour %+.1f s; %s",
-            _visit_text(visits[0]), visits[chosen]["target_id"], costs.cost_s[chosen], costs.cost_s[0], longer_s, _crossing_text(costs, 0),
+            first, exchange.target_id, exchange.cost_s, exchange.first_cost_s, exchange.detour_s, crossing,
         )  # fmt: skip
 
 

@@ -13,6 +13,8 @@ import healpy
 import numpy as np
 import numpy.typing as npt
 
+from ._exchanges import of_visits
+
 #: Borders of the bins in the altitude of the Sun, degrees.
 SUN_EDGES_DEG = (-90.0, -18.0, -15.0, -12.0, 0.0)
 #: Verdicts of visits whose streaks are not known.
@@ -30,7 +32,12 @@ Columns = Mapping[str, Any]
 Annotated = Union[str, "os.PathLike[str]", Sequence[Columns]]
 
 
-def survey_summary(annotated: Annotated, *, sun_edges_deg: Sequence[float] = SUN_EDGES_DEG) -> dict[str, npt.NDArray[Any]]:
+def survey_summary(
+    annotated: Annotated,
+    *,
+    sun_edges_deg: Sequence[float] = SUN_EDGES_DEG,
+    exchanges: Union[Columns, str, "os.PathLike[str]", None] = None,
+) -> dict[str, npt.NDArray[Any]]:
     """Returns the effects of streaks on a survey, by year, band and altitude of the Sun.
 
     Parameters
@@ -40,6 +47,9 @@ def survey_summary(annotated: Annotated, *, sun_edges_deg: Sequence[float] = SUN
         the columns of an opsim database, and what `streakcast.dask.read` and, optionally, `streakcast.dask.read_streaks` return.
     sun_edges_deg : sequence of float
         Ascending borders of the bins in ``sunAlt``, the altitude of the Sun, degrees.
+    exchanges : mapping of columns or path, optional
+        ``exchanges`` of the `StreakQueueManager` of the survey, or a file of its `write_exchanges`. An exchange is that of
+        the visit of its band whose start is nearest to the predicted shutter opening, and at most 60 s from it.
 
     Returns
     -------
@@ -50,13 +60,20 @@ def survey_summary(annotated: Annotated, *, sun_edges_deg: Sequence[float] = SUN
         (expected fraction of visits with a streak that is brighter per pixel than that of a satellite at 550 km of the
         telescope's ``bright_mag``, by default 7; NaN without the table ``streaks``), ``avoid_fraction``,
         ``streak_cost_s`` (mean, seconds of open shutter), ``streak_cost_fraction`` (of the open shutter),
-        ``lost_pixel_fraction`` (mean), and ``coadd_loss_mag``, the loss in depth of all visits of the row.
+        ``lost_pixel_fraction`` (mean), and ``coadd_loss_mag``, the loss in depth of all visits of the row. With
+        `exchanges` also ``exchanged_visits``, and sums over these: ``saved_s``, seconds of open shutter, and ``detour_s``,
+        seconds of the night.
 
     Raises
     ------
     ValueError
         The database has no annotation, has one without a telescope, lacks a column, or repeats the number of a visit; or
-        the borders do not ascend.
+        the borders do not ascend; or the exchanges are invalid.
+
+    Warns
+    -----
+    StreakcastWarning
+        There are exchanges of no visit of the survey.
     """
     edges = np.asarray(sun_edges_deg, dtype=float)
     if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0.0).all():
@@ -66,6 +83,7 @@ def survey_summary(annotated: Annotated, *, sun_edges_deg: Sequence[float] = SUN
         return {}
     start_mjd = visits["observationStartMJD"]
     dated = np.isfinite(start_mjd)
+    of_exchanges = {} if exchanges is None else of_visits(exchanges, start_mjd, visits["band"])
     year = np.zeros(len(start_mjd), dtype=int)
     if dated.any():
         year[dated] = (start_mjd[dated] - start_mjd[dated].min()) // 365.25 + 1
@@ -78,7 +96,8 @@ def survey_summary(annotated: Annotated, *, sun_edges_deg: Sequence[float] = SUN
         known = chosen & visits["judged"]
         row = {"year": one, "band": band, "sun_min_deg": edges[each], "sun_max_deg": edges[each + 1]}
         row |= {"visits": int(chosen.sum()), "unknown_visits": int((chosen & ~known).sum())}
-        rows.append(row | _effects({name: column[known] for name, column in visits.items()}))
+        row |= _effects({name: column[known] for name, column in visits.items()})
+        rows.append(row | {name: column[chosen].sum() for name, column in of_exchanges.items()})
     return {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
 
 

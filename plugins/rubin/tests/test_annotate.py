@@ -5,6 +5,7 @@ import sqlite3
 
 import brute_force
 import night
+import numpy as np
 import pytest
 from conftest import EVENING
 from streakcast import StreakcastWarning
@@ -40,6 +41,18 @@ def test_a_copy_with_more_tables(opsim, models, truths, tmp_path):
     # The visit array of rubin_scheduler gives the same result.
     columns = visit_columns(visits, models[40768])
     assert [int(one) for one in columns["n_streaks"]] == [count for count, *_ in joined]
+
+
+def test_an_invalid_visit_leaves_the_others(opsim, models):
+    visits = opsim[1][:8].copy()
+    expected = visit_columns(visits, models[4408])
+    visits["RA"][2], visits["mjd"][5], visits["exptime"][6] = np.nan, np.nan, -1.0
+    with pytest.warns(StreakcastWarning, match=r"3 of 8 exposures are invalid .*; first row 2: ra_deg is missing"):
+        found = visit_columns(visits, models[4408])
+    assert np.flatnonzero(found["verdict"] == "invalid").tolist() == [2, 5, 6]
+    valid = [0, 1, 3, 4, 7]
+    assert found["verdict"][valid].tolist() == expected["verdict"][valid].tolist()
+    np.testing.assert_array_equal(found["streak_cost_s"][valid], expected["streak_cost_s"][valid])
 
 
 def test_existing_tables_are_replaced_only_if_requested(opsim, models, tmp_path):

@@ -13,6 +13,7 @@ from conftest import EVENING, HOURS
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from streakcast_rubin import StreakCostBasisFunction, StreakQueueManager
 from streakcast_rubin._candidates import OPEN_SHARE
+from streakcast_rubin._exchanges import of_visits
 
 #: Smallest reduction of the cost of streaks by the queue manager, for streaks that destroy a visit; largest loss of
 #: visits and increase of slew time.
@@ -69,6 +70,19 @@ def test_shutters_open_at_the_predicted_times(dodged_evening, planned):
     assert late_s.size == len(visits)
     # Exceptions are the first visit, and filter exchanges, where rubin_scheduler resets the rotator.
     assert np.mean(np.abs(late_s) < 1.0) > 0.95
+
+
+def test_exchanges_are_those_of_their_visits(dodged_evening, tmp_path):
+    manager, visits = dodged_evening.scheduler.queue_manager, np.asarray(dodged_evening.visits)
+    manager.write_exchanges(tmp_path / "exchanges.ecsv")
+    expected = manager.exchanges
+    assert len(expected["mjd"]) == manager.counts["exchanged"] > 5
+    for table in (expected, tmp_path / "exchanges.ecsv"):
+        found = of_visits(table, visits["mjd"], visits["band"])
+        exchanged = found["exchanged_visits"] > 0
+        assert sorted(visits["target_id"][exchanged].tolist()) == sorted(expected["target_id"].tolist())
+        assert found["saved_s"].sum() == pytest.approx(manager.counts["saved_s"])
+        assert found["detour_s"].sum() == pytest.approx(manager.counts["detour_s"])
 
 
 def test_pairs_stay_pairs(pairs_evening, dodged_evening):

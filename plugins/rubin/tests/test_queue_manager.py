@@ -22,6 +22,9 @@ def test_the_visit_with_the_least_cost_is_dispatched(ready, model, take_over, co
     counts = scheduler.queue_manager.counts
     assert (counts["exchanged"], counts["compared"]) == (1, 12)
     assert counts["saved_s"] == pytest.approx(COST_S) and counts["saved_s"] > OPEN_SHARE * counts["detour_s"]
+    table = scheduler.queue_manager.exchanges
+    assert (table["target_id"].tolist(), table["first_target_id"].tolist()) == ([queue[2]], [queue[0]])
+    assert table["saved_s"].tolist() == [pytest.approx(counts["saved_s"])] and table["detour_s"].tolist() == [counts["detour_s"]]
     costly(0.0)
     assert ids(scheduler.request_observation()) == [queue[0]]
     # A cost of 0.05 s is not compared.

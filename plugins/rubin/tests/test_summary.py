@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from astropy import units as u
 from astropy.table import QTable
+from streakcast import StreakcastWarning
 from streakcast_rubin import survey_maps, survey_summary
 
 UNITS = {"fieldRA": u.deg, "fieldDec": u.deg, "sunAlt": u.deg, "visitExposureTime": u.s}
@@ -84,6 +85,26 @@ def test_tables_of_dask_give_the_same(annotated):
     assert np.isnan(survey_summary((visits, flags))["bright_fraction"]).all()
     with pytest.raises(ValueError, match="missing column sunAlt"):
         survey_summary(({name: visits[name] for name in names if name != "sunAlt"}, flags))
+
+
+def test_exchanges_are_summed_by_row(annotated, tmp_path):
+    second = 1.0 / 86_400.0
+    columns = {
+        "mjd": np.array([61_400.2 + 2 * second, 61_400.3 - 3 * second, 61_400.2, 61_780.1, 61_600.0]),
+        "band": np.array(["r", "r", "z", "r", "r"]),
+        "saved_s": np.array([2.0, 1.0, 8.0, 0.5, 9.0]),
+        "detour_s": np.array([1.5, -0.5, 9.0, 0.1, 9.0]),
+    }
+    with pytest.warns(StreakcastWarning, match="2 of 5 exchanges are of no visit of the survey"):
+        rows = survey_summary(annotated, exchanges=columns)
+    assert rows["exchanged_visits"].tolist() == [2, 0, 1, 0]
+    np.testing.assert_allclose(rows["saved_s"], [3.0, 0.0, 0.5, 0.0])
+    np.testing.assert_allclose(rows["detour_s"], [1.0, 0.0, 0.1, 0.0])
+    assert "saved_s" not in survey_summary(annotated)
+    with pytest.raises(ValueError, match="lack the column saved_s; allowed"):
+        survey_summary(annotated, exchanges={name: columns[name] for name in ("mjd", "band", "detour_s")})
+    with pytest.raises(ValueError, match="none.ecsv is not a table of exchanges"):
+        survey_summary(annotated, exchanges=tmp_path / "none.ecsv")
 
 
 def test_repeated_rows_count_once(annotated):

@@ -6,7 +6,7 @@ use super::elements::ElementState;
 use super::finding::{Finding, MomentSource, Severity};
 use super::observation::{camera, clock, earth_orientation, policy, site};
 use crate::config::document::Config;
-use crate::elements::SourceFile;
+use crate::elements::{Keep, SourceFile};
 use crate::passes::ModelChoice;
 use crate::photometry::ModelLibrary;
 use crate::schedule::evening_mjd;
@@ -44,18 +44,26 @@ impl Config {
 
     fn check_elements(&self, now: Epoch, source: MomentSource, health: &mut Health) {
         const SUBJECT: &str = "elements";
-        let deployment = self.deployment().and_then(|deployment| {
-            // Without a valid site, which has its own finding, nights are those of Greenwich.
-            let longitude_rad = self.viewpoint_longitude_rad(Some(now)).unwrap_or_default();
-            deployment.at(evening_mjd(now, longitude_rad))
-        });
-        if let Err(error) = deployment {
-            health.findings.push(Finding::error(SUBJECT, error, "names and periods are listed by streakcast shells"));
-        } else if !self.shells.is_empty() {
-            let finding = "simulated constellations (--shells): positions do not correspond to real satellites";
-            health.findings.push(Finding::note(SUBJECT, finding, "specify --elements FILE for real satellites"));
+        // Without a valid site, which has its own finding, nights are those of Greenwich.
+        let evening = evening_mjd(now, self.viewpoint_longitude_rad(Some(now)).unwrap_or_default());
+        let deployment = self.deployment();
+        let of_period = deployment.as_ref().map(|deployment| deployment.elements_at(evening)).unwrap_or_default();
+        match deployment.and_then(|deployment| deployment.at(evening)) {
+            Err(error) => {
+                health.findings.push(Finding::error(
+                    SUBJECT,
+                    error,
+                    "names and periods are listed by streakcast shells",
+                ));
+            }
+            Ok(simulated) if !simulated.is_empty() => {
+                let finding = "simulated constellations (--shells): positions do not correspond to real satellites";
+                health.findings.push(Finding::note(SUBJECT, finding, "specify --elements FILE for real satellites"));
+            }
+            Ok(_) => {}
         }
-        let catalogue = match self.catalogue(now) {
+        let files = if of_period.is_empty() { &self.elements } else { &of_period };
+        let catalogue = match self.read_elements(files, Keep::Nearest(now)) {
             Ok(Some(catalogue)) => catalogue,
             Ok(None) => {
                 if self.shells.is_empty() {

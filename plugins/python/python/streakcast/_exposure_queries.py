@@ -14,7 +14,8 @@ from ._quantities import aligned, check_unmasked, count, directions, number, sca
 from ._setup import absolute
 from ._site_queries import SiteQueries
 from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
-from ._times import to_tai
+from ._times import is_mjd, to_tai, to_tai_or_nan
+from ._warnings import warn
 from .typing import (
     FloatArray,
     FloatArrayLike,
@@ -50,6 +51,7 @@ class ExposureQueries(SiteQueries):
         rotation: FloatArrayLike | None = None,
         band: TextLike | None = None,
         scale: str | None = None,
+        keep_invalid: bool = False,
     ) -> Assessment:
         """Returns verdicts as arrays of numbers, which is the fastest method, for one visit or a million exposures.
 
@@ -68,6 +70,9 @@ class ExposureQueries(SiteQueries):
             Band of the exposure, for limits by band: one for all, or one for each.
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers (MJD) in ``start``; default: the model's ``mjd_scale``.
+        keep_invalid : bool
+            Whether exposures with NaN or numbers out of range have the verdict ``invalid``, with a warning that counts
+            them; otherwise they are an error.
 
         Returns
         -------
@@ -83,8 +88,10 @@ class ExposureQueries(SiteQueries):
         ValueError
             A number is not finite or out of range (the message contains name and index), or shapes cannot be broadcast.
         """
-        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
-        columns = self._judged(exposures, bands)
+        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale, keep_invalid)
+        columns = self._judged(exposures, bands, keep_invalid)
+        if keep_invalid:
+            _warn_of_invalid(columns["verdict"], exposures)
         if shape == ():
             # A masked number is None.
             return Assessment(**{name: column.tolist()[0] for name, column in columns.items()})
@@ -109,6 +116,7 @@ class ExposureQueries(SiteQueries):
         band: TextLike | None = None,
         scale: str | None = None,
         output: Output = "auto",
+        keep_invalid: bool = False,
     ) -> Table:
         """Returns verdicts with reasons and the next clear start, as printed by ``streakcast flag``.
 
@@ -121,6 +129,8 @@ class ExposureQueries(SiteQueries):
             if astropy is installed. The main columns of a `QTable` are the first and the last ones, because `print`
             shows these if not all columns fit. Its method ``write`` writes numbers with all digits, times to the
             microsecond, and lists as JSON text (to ECSV as lists).
+        keep_invalid
+            As for `assess`.
 
         Returns
         -------
@@ -130,8 +140,11 @@ class ExposureQueries(SiteQueries):
             ``delay_s``, ``norad_ids``, ``p_crossing``, ``next_acceptable_start_utc``, ``acceptable_delay_s``,
             ``elements_age_days``, ``late_s``, ``streak_cost_s``.
         """
-        exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale)
-        return self._flagged(exposures, bands, output)
+        exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale, keep_invalid)
+        table = self._flagged(exposures, bands, output, keep_invalid)
+        if keep_invalid:
+            _warn_of_invalid(np.asarray(table["verdict"]), exposures)
+        return table
 
     def _flagged(
         self, exposures: Mapping[str, FloatArray], bands: Sequence[str], output: Output, keeps_invalid: bool = False
@@ -394,9 +407,13 @@ class ExposureQueries(SiteQueries):
         rotation: FloatArrayLike | None,
         band: TextLike | None,
         scale: str | None,
+        keep_invalid: bool = False,
     ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
         ra, dec = directions(target)
-        jd1, jd2 = to_tai(start, self._scale(scale), "start")
+        if keep_invalid and is_mjd(start):
+            jd1, jd2 = to_tai_or_nan(cast(FloatArrayLike, start), self._scale(scale), "start")
+        else:
+            jd1, jd2 = to_tai(start, self._scale(scale), "start")
         if rotation is None:
             rotation = self._engine.default_rotation_deg
         length, angle = number(exposure, "s", "exposure"), number(rotation, "deg", "rotation")
@@ -414,6 +431,17 @@ class ExposureQueries(SiteQueries):
         }
         bands = [] if band is None else _band_names(band)
         return exposures, bands, shape
+
+
+def _warn_of_invalid(verdicts: "npt.NDArray[Any]", exposures: Mapping[str, FloatArray]) -> None:
+    """Issues a warning with the number of invalid exposures and the first one."""
+    rows = np.flatnonzero(verdicts == "invalid")
+    if rows.size:
+        row = int(rows[0])
+        missing = [name.replace("jd1", "start") for name, column in exposures.items() if not np.isfinite(column[row])]
+        reason = f": {missing[0]} is missing or out of range" if missing else ""
+        count = f"{rows.size} of {verdicts.size} exposures {'is' if rows.size == 1 else 'are'} invalid"
+        warn(f"{count} (a number is missing or out of range, or the pointing is below the horizon); first row {row}{reason}")
 
 
 def _band_names(band: TextLike) -> list[str]:

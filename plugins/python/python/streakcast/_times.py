@@ -11,8 +11,10 @@ import numpy.typing as npt
 
 from . import _core
 from ._quantities import check_unmasked, is_quantity, number
-from .typing import FloatArray, TimeLike
+from .typing import FloatArray, FloatArrayLike, TimeLike
 
+#: MJD in the years of which streakcast knows the time scales.
+MJD_RANGE = (35_840.0, 88_068.0)
 _ALLOWED = (
     "allowed: an astropy Time, a string that ends in Z, an aware datetime, or numbers (MJD) with "
     'scale="utc", "tai" or "tt"; in the wrong scale they are 37 s off, and a satellite crosses a field within seconds'
@@ -73,6 +75,20 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
         texts = np.array([_text(item, what) for item in array.ravel()]).reshape(array.shape)
         return _from_text(texts, scale, what)
     raise TypeError(f"{what} is {type(value).__name__}, not a time; {_ALLOWED}")
+
+
+def is_mjd(value: object) -> bool:
+    """Returns true for arrays and lists of numbers, which are MJD."""
+    return not is_time(value) and not isinstance(value, TwoPartTai) and np.asarray(value).dtype.kind in "iuf"
+
+
+def to_tai_or_nan(mjd: FloatArrayLike, scale: str | None, what: str) -> tuple[FloatArray, FloatArray]:
+    """Returns two-part Julian dates, TAI, of MJD; NaN for missing MJD and MJD out of range."""
+    given = np.asarray(number(mjd, "d", what))
+    known = (given > MJD_RANGE[0]) & (given < MJD_RANGE[1])
+    jd1, jd2 = np.full((2, *given.shape), np.nan)
+    jd1[known], jd2[known] = to_tai(given[known], scale, what)
+    return jd1, jd2
 
 
 def _step_s(array: npt.NDArray[np.generic]) -> float:

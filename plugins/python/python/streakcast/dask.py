@@ -18,7 +18,7 @@ from . import _core
 from ._quantities import aligned, number
 from ._results import UNJUDGED
 from ._state import without_numbers
-from ._times import TwoPartTai, to_tai
+from ._times import TwoPartTai, is_mjd, to_tai, to_tai_or_nan
 from ._warnings import handle_warnings, warn
 from .model import StreakModel
 from .typing import Columns, PathLike
@@ -38,8 +38,6 @@ class VisitsLike(Protocol):
 
 #: Required columns of a table of visits.
 COLUMNS = ("ra_deg", "dec_deg", "start", "exposure_s")
-#: Times within the years of which streakcast knows the time scales.
-MJD_RANGE = (35_840.0, 88_068.0)
 #: Columns of a table ``observations`` of Rubin's opsim databases that have the meaning of the others.
 OPSIM = {
     "fieldRA": "ra_deg",
@@ -100,7 +98,8 @@ def annotate(
     list of Path
         Files of the nights in time order. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``,
         ``brightest_mag``, ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``,
-        ``p_crossing``, ``elements_age_days``, ``late_s`` and ``streak_cost_s``; `read` returns all nights in one table,
+        ``p_crossing``, ``elements_age_days``, ``late_s`` and ``streak_cost_s`` (of the time with open shutter,
+        ``visitExposureTime``, for visits of several snaps); `read` returns all nights in one table,
         `read_streaks` all streaks.
 
     Warns
@@ -114,7 +113,9 @@ def annotate(
     ValueError
         A column is missing, or columns differ in length.
     """
+    _require_pyarrow()
     columns = _columns(visits, model, model.mjd_scale if scale is None else scale)
+    open_s = columns.pop("open_s", None)
     output = Path(folder).absolute()
     output.mkdir(parents=True, exist_ok=True)
     nights = _nights(columns, model)
@@ -122,13 +123,14 @@ def annotate(
     for night in np.unique(nights):
         rows = np.flatnonzero(nights == night)
         part = {name: column[rows] for name, column in columns.items()}
+        shares = None if open_s is None else open_s[rows] / part["exposure_s"]
         path = output / f"night-{int(night):05d}.parquet"
-        key = _digest(part, rows, model, next_starts)
+        key = _digest(part if shares is None else {**part, "open_share": shares}, rows, model, next_starts)
         files.append(path)
         if not (_is_done(path, key) and (not streaks or _is_done(_streaks_beside(path), key))):
             tasks.append(
                 client.submit(
-                    _one_night, part, rows, model, str(path), key, streaks, next_starts,
+                    _one_night, part, rows, model, str(path), key, streaks, next_starts, shares,
                     retries=retries, key=f"night-{int(night)}-{key[:16]}-{streaks:d}",
                 )
             )
@@ -193,7 +195,16 @@ def read_streaks(files: Sequence[PathLike]) -> Columns:
     return _read_all([_streaks_beside(Path(path)) for path in files])
 
 
+def _require_pyarrow() -> None:
+    """Raises an error that names the missing package."""
+    try:
+        import pyarrow  # noqa: F401
+    except ImportError as error:
+        raise ImportError("streakcast.dask requires pyarrow, which writes and reads Parquet; install it with: pip install pyarrow") from error
+
+
 def _read_all(files: Sequence[PathLike]) -> Columns:
+    _require_pyarrow()
     import pyarrow
     import pyarrow.parquet
 
@@ -222,6 +233,7 @@ def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Colum
             columns[name] = _numbers(table[name], unit, name)
     if {"visitTime", "numExposures"} <= table.keys() and "exposure_s" not in names:
         snaps, visit_s = _numbers(table["numExposures"], "", "numExposures"), _numbers(table["visitTime"], "s", "visitTime")
+        columns["open_s"] = columns["exposure_s"]
         columns["exposure_s"] = np.where(snaps > 1, np.broadcast_to(visit_s, snaps.shape), columns["exposure_s"])
     default_deg = model._engine.default_rotation_deg
     rotation_deg = columns.get("rotation_deg", np.full(len(columns["jd1"]), np.nan))
@@ -256,15 +268,11 @@ def _float(cell: Any) -> float:
 def _starts(column: Any, scale: str | None) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Returns two-part Julian dates, TAI; NaN for missing MJD and MJD out of range."""
     kind = getattr(column, "dtype", np.dtype("U")).kind
-    is_mjd = kind in "iuf" or kind == "O" and any(isinstance(one, (int, float)) for one in column)
-    if not isinstance(column, np.ma.MaskedArray) and not is_mjd:
+    has_numbers = is_mjd(column) or kind == "O" and any(isinstance(one, (int, float)) for one in column)
+    if not isinstance(column, np.ma.MaskedArray) and not has_numbers:
         jd1, jd2 = to_tai(column, scale, "start")
         return np.ravel(jd1), np.ravel(jd2)
-    mjd = _numbers(column, "d", "start")
-    known = (mjd > MJD_RANGE[0]) & (mjd < MJD_RANGE[1])
-    jd1, jd2 = np.full((2, len(mjd)), np.nan)
-    jd1[known], jd2[known] = to_tai(mjd[known], scale, "start")
-    return jd1, jd2
+    return to_tai_or_nan(_numbers(column, "d", "start"), scale, "start")
 
 
 def _nights(columns: Columns, model: StreakModel) -> npt.NDArray[np.int64]:
@@ -293,6 +301,7 @@ def _digest(part: Columns, rows: npt.NDArray[np.int64], model: StreakModel, next
 
 
 def _metadata(path: Path) -> dict[bytes, bytes]:
+    _require_pyarrow()
     import pyarrow
     import pyarrow.parquet
 
@@ -315,9 +324,19 @@ def _scratch_prefix(path: Path) -> str:
 
 
 def _one_night(
-    part: Columns, rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str, streaks: bool, next_starts: bool
+    part: Columns,
+    rows: npt.NDArray[np.int64],
+    model: StreakModel,
+    path: str,
+    key: str,
+    streaks: bool,
+    next_starts: bool,
+    open_shares: npt.NDArray[np.float64] | None,
 ) -> int:
-    """Writes the verdicts of one night, and its streaks, in a worker. Returns the number of visits."""
+    """Writes the verdicts of one night, and its streaks, in a worker. Returns the number of visits.
+
+    Costs are multiplied by `open_shares`, the shares of the visits with open shutter.
+    """
     # Dask distributes the cores among workers. This is effective only before the first computation in this process.
     os.environ.setdefault("RAYON_NUM_THREADS", "1")
     # A worker judges many nights with one copy of the model, which issues each warning once. A new copy issues those of
@@ -333,6 +352,8 @@ def _one_night(
         else:
             columns = model._judged(exposures, bands, keeps_invalid=True)
             del columns["crosses"]
+        if open_shares is not None:
+            columns["streak_cost_s"] = columns["streak_cost_s"] * open_shares
         if streaks:
             # Streaks of unknown positions would be an error.
             judged = np.flatnonzero(~np.isin(columns["verdict"], UNJUDGED))
@@ -340,7 +361,10 @@ def _one_night(
             pointing, start = (chosen["ra_deg"], chosen["dec_deg"]), TwoPartTai(chosen["jd1"], chosen["jd2"])
             options: dict[str, Any] = {"rotation": chosen["rotation_deg"], "band": chosen.get("band"), "output": "dict"}
             passes = dict(model.passes(pointing, start, chosen["exposure_s"], **options))
-            crossed = rows[judged[np.asarray(passes.pop("exposure_id"), dtype=np.int64)]]
+            of_pass = judged[np.asarray(passes.pop("exposure_id"), dtype=np.int64)]
+            if open_shares is not None:
+                passes["streak_cost_s"] = passes["streak_cost_s"] * open_shares[of_pass]
+            crossed = rows[of_pass]
             _write(_streaks_beside(Path(path)), {"visit": crossed, **passes}, key, messages)
     _write(Path(path), {"visit": rows, **columns}, key, messages)
     return len(rows)

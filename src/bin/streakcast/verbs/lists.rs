@@ -145,14 +145,15 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         let share = |constellation: &Constellation| {
             format!("{} {} %", constellation.name, percent(constellation.deployed_fraction))
         };
-        let shares: Vec<String> = period.constellations.iter().map(share).collect();
+        let files = period.elements.iter().map(|path| format!("element sets of {}", path.display()));
+        let shares: Vec<String> = period.constellations.iter().map(share).chain(files).collect();
         let of_period: Vec<_> = period.constellations.iter().collect();
         row(&format!("from {}", period.from), &of_period, Vec::new(), shares.join(", "))
     };
     let table = Table {
         columns: vec![
             Column::new("name", Kind::Text, "Name for --shells or for periods; or the first night of a period."),
-            Column::new("satellites", Kind::Integer, "Number of satellites."),
+            Column::new("satellites", Kind::Integer, "Number of simulated satellites."),
             Column::new("n_shells", Kind::Integer, "Number of shells."),
             Column::real("lowest_km", "km", 1, "Altitude of the lowest shell."),
             Column::real("highest_km", "km", 1, "Altitude of the highest shell."),
@@ -166,7 +167,11 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
                 Kind::List { separator: " " },
                 "Altitude in km and inclination in degrees of each shell; empty for several constellations.",
             ),
-            Column::new("source", Kind::Text, "Source of the orbits, or the constellations of a set or of a period."),
+            Column::new(
+                "source",
+                Kind::Text,
+                "Source of the orbits, or the constellations of a set, or those of a period with its files of element sets.",
+            ),
         ],
         rows: all
             .iter()

@@ -163,7 +163,7 @@ impl Prediction {
     pub fn table(&self, is_nested: bool) -> Table {
         let band = self.options.photometry.band.name();
         let request = FlagRequest { photometry: &self.options.photometry, ..self.plan.request(&self.prepared.sky) };
-        let row = |pass| request.streak_row(&self.exposure, pass, Some(band), self.limit_mag);
+        let row = |pass| request.streak_row((&self.exposure, None), pass, Some(band), self.limit_mag);
         let rows = self.found().iter().map(row);
         let columns = StreakColumns {
             p_brighter: self.limit_mag.is_some() || self.plan.policy.has_limit_in(Some(band)),
@@ -236,7 +236,7 @@ fn summary(prediction: &Prediction, found: &[Pass]) {
     let request = FlagRequest { photometry: &options.photometry, ..plan.request(&prepared.sky) };
     // The limit of a row is that which the satellite exceeds first.
     let brighter = |pass: &Pass| {
-        let limit_mag = request.streak_row(exposure, pass, band, *limit_mag).limit_mag;
+        let limit_mag = request.streak_row((exposure, None), pass, band, *limit_mag).limit_mag;
         limit_mag.map_or(0.0, |limit_mag| pass.probability_brighter_than(limit_mag))
     };
     let bright = found.iter().map(brighter).fold(0.0, |sum, share| sum + share);

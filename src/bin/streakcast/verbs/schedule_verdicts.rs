@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use hifitime::Epoch;
 use indicatif::ProgressBar;
-use serde_json::{Value, json};
+use serde_json::Value;
 use streakcast::config::{Config, LoadedInputs, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::message::Quoted;
 use streakcast::orbit::LeftOut;
-use streakcast::output::{Provenance, Table, Value as Cell, counted, format_utc};
+use streakcast::output::{Provenance, Table, Value as Cell, counted};
 use streakcast::passes::Sky;
 use streakcast::schedule::{
     FlagReport, FlagTotals, Schedule, ScheduledExposure, Shard, StreakColumns, Verdict, VerdictKind, check_extension,
@@ -172,9 +172,9 @@ impl PreparedSchedule {
         });
         let first_sky = first_sky.transpose()?;
         let mut provenance = first_sky.as_ref().map_or_else(Provenance::new, |sky| sky.provenance.clone());
-        if let (Some(inputs), Some(sky), Some(span)) = (&inputs, &first_sky, judgeable) {
+        if let (Some(inputs), Some(span)) = (&inputs, judgeable) {
             let periods = self::parts(config, &schedule, span)?;
-            state_periods(&mut provenance, inputs, sky, periods.iter().map(|part| part.span.0))?;
+            state_periods(&mut provenance, inputs, periods.iter().map(|part| part.span.0))?;
             if inputs.epochs_of_choice().is_some() {
                 provenance.state("element_sets", "closest to the middle of each night");
             }
@@ -276,7 +276,7 @@ impl PreparedSchedule {
         let rows = judged.flat_map(|(row, exposure, flag)| {
             let band = row.band.as_deref();
             let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(band));
-            flag.passes.iter().map(move |pass| request.streak_row(exposure, pass, band, limit_mag))
+            flag.passes.iter().map(move |pass| request.streak_row((exposure, row.open_s), pass, band, limit_mag))
         });
         streak_table(rows, self.streak_columns())
     }
@@ -353,25 +353,18 @@ fn divided<Key: Ord>(schedule: &Schedule, key: impl Fn(Epoch) -> Key) -> Vec<Par
     parts
 }
 
-/// States the simulated constellations of each period, if there are several; `sky` is that of the first of `starts`,
-/// the first shutter openings of the periods.
+/// States the satellites of each period, if there are several; `starts` are the first shutter openings of the periods.
 pub fn state_periods(
     provenance: &mut Provenance,
     inputs: &LoadedInputs,
-    sky: &PreparedSky,
     starts: impl Iterator<Item = Epoch>,
 ) -> anyhow::Result<()> {
     let mut starts: Vec<Epoch> = starts.collect();
-    let of_files = match starts.first() {
-        Some(first) if starts.len() > 1 => sky.sky.elements().len() - inputs.simulated_at(*first)?.0,
-        _ => return Ok(()),
-    };
     starts.sort();
-    let stated = starts.into_iter().map(|first| {
-        let (simulated, shells) = inputs.simulated_at(first)?;
-        Ok(json!({ "first_start_utc": format_utc(first, 3), "satellites": of_files + simulated, "shells": shells }))
-    });
-    provenance.state("periods", stated.collect::<anyhow::Result<Vec<Value>>>()?);
+    if starts.len() > 1 {
+        let stated = starts.into_iter().map(|first| inputs.period_json(first));
+        provenance.state("periods", stated.collect::<Result<Vec<Value>, _>>()?);
+    }
     Ok(())
 }
 

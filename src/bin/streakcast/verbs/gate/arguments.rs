@@ -291,9 +291,6 @@ impl Request {
             return Err(anyhow!("gate does not support a telescope in orbit; allowed: a site"));
         }
         let mut policy = config.policy()?;
-        if policy.max_cost_s.is_some() {
-            return Err(anyhow!("the policy has max_cost_s, which gate does not support; remove this key"));
-        }
         policy.margin_s = flags.margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
         policy.validate()?;
         let duration = config.exposure.duration.as_ref();

@@ -7,14 +7,15 @@ use std::time::{Duration, Instant};
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
+use streakcast::Error;
 use streakcast::config::PreparedSky;
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
-    Blocking, ClearWindow, Policy, ScheduledExposure, TargetWindows, WindowRequest, WindowTarget, best_start,
-    clear_windows, next_window, reason_for_unknown_starts,
+    Blocking, ClearWindow, FlagRequest, Policy, ScheduledExposure, TargetWindows, WindowRequest, WindowTarget,
+    best_start, clear_windows, judge_exposures, next_window, reason_for_unknown_starts,
 };
 
 use super::arguments::{Flags, GateArguments, Request};
@@ -32,6 +33,8 @@ const SAME_SITE_KM: f64 = 1.0;
 const STATUS: Duration = Duration::from_secs(2);
 /// Error of the clock after a wait, seconds, above which the clock is taken to have been changed during the wait.
 const CLOCK_STEP_S: f64 = 1.0;
+/// Number of starts whose costs are compared with the largest cost of a policy.
+const COMPARED_STARTS: u32 = 60;
 /// Largest number of avoided passes listed in the status file.
 const NAMED: usize = 5;
 
@@ -237,13 +240,7 @@ fn verdict(
         Fault::new(FaultKind::Target, message)
     };
     if by_cost {
-        let WindowTarget { exposure, band } = &target;
-        let row = ScheduledExposure {
-            id: exposure.id.clone(),
-            row: 0,
-            band: band.clone(),
-            exposure: Ok(Exposure { start: now, ..exposure.clone() }),
-        };
+        let row = row_of(&target, now);
         let (best, _) =
             best_start(&row, flags.max_wait_s, &window_request.conditions).map_err(|error| setup_fault(&error))?;
         let Some(best) = best else { return Err(below()) };
@@ -253,6 +250,9 @@ fn verdict(
         state(status, "start_utc", format_utc(first, 3));
         state(status, "streak_cost_s", rounded(best.streak_cost_s, 3));
         state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
+        if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
+            return Ok(GateVerdict::NotClear);
+        }
         return Ok(GateVerdict::Best { waited_s, first, best });
     }
     // The windows extend beyond the longest wait, so that the end of the clear interval is known.
@@ -268,14 +268,46 @@ fn verdict(
     let now = flags.clock.now();
     let last = seconds_after(now, flags.max_wait_s);
     add_blocking_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
-    let Some(ClearWindow { first, last: until }) = next_window(&found.windows, now, last) else {
-        return Ok(GateVerdict::NotClear);
+    let next = match policy.max_cost_s {
+        Some(most_s) => affordable_start(&found.windows, (now, last), &target, most_s, &window_request.conditions)
+            .map_err(|error| setup_fault(&error))?,
+        None => next_window(&found.windows, now, last),
     };
+    let Some(ClearWindow { first, last: until }) = next else { return Ok(GateVerdict::NotClear) };
     let waited_s = seconds_between(now, first).max(0.0);
     state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
     state(status, "start_utc", format_utc(first, 3));
     state(status, "clear_until_utc", format_utc(until, 3));
     Ok(GateVerdict::Clear { waited_s, first, until, is_limited })
+}
+
+/// Returns the target as a row of a schedule at a start.
+fn row_of(target: &WindowTarget, start: Epoch) -> ScheduledExposure {
+    let WindowTarget { exposure, band } = target;
+    let exposure = Exposure { start, ..exposure.clone() };
+    ScheduledExposure { id: exposure.id.clone(), row: 0, band: band.clone(), open_s: None, exposure: Ok(exposure) }
+}
+
+/// Returns the first start in the windows at which the streaks cost at most `most_s`: of the beginnings of the windows and
+/// of starts at equal intervals from the first to the last time.
+fn affordable_start(
+    windows: &[ClearWindow],
+    (now, last): (Epoch, Epoch),
+    target: &WindowTarget,
+    most_s: f64,
+    request: &FlagRequest<'_>,
+) -> Result<Option<ClearWindow>, Error> {
+    let step_s = seconds_between(now, last) / f64::from(COMPARED_STARTS);
+    let regular = (0..=COMPARED_STARTS).map(|number| seconds_after(now, step_s * f64::from(number)));
+    let is_clear = |start: &Epoch| windows.iter().any(|window| (window.first..=window.last).contains(start));
+    let starts = windows.iter().map(|window| window.first).chain(regular);
+    let mut starts: Vec<Epoch> = starts.filter(|start| (now..=last).contains(start) && is_clear(start)).collect();
+    starts.sort();
+    let rows: Vec<ScheduledExposure> = starts.iter().map(|start| row_of(target, *start)).collect();
+    let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
+    let first =
+        starts.into_iter().zip(flags).find(|(_, flag)| flag.streak_cost_s.is_some_and(|cost_s| cost_s <= most_s));
+    Ok(first.map(|(start, _)| ClearWindow { first: start, last: start }))
 }
 
 /// Returns pointing and site. The pointing is, in this order, that of the flags, of the target name, or of the mount.

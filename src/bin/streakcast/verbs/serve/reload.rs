@@ -75,7 +75,7 @@ impl Reload {
                         notices.info("element files have changed and were loaded again");
                     }
                     Err(error) => notices.warn(&[format!(
-                        "element files have changed, but cannot be used; the previous ones stay in use: {error:#}"
+                        "element files have changed, but cannot be used; the previous ones stay in use: {error}"
                     )]),
                 }
             }

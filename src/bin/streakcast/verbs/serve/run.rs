@@ -48,7 +48,8 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
 
     let started = clock::now();
     let schedule = typed.schedule.as_deref().map(|path| read_schedule(path, &config)).transpose()?;
-    let reload = Reload::new(config.elements.clone());
+    let of_periods = config.deployment()?.all_elements().into_iter().flatten();
+    let reload = Reload::new(config.elements.iter().cloned().chain(of_periods).collect());
     let load = move |notices: &Notices| load(&config, &plan, schedule.as_ref(), started, time_zone.clone(), notices);
     let current = Arc::new(RwLock::new(Arc::new(load(&notices)?)));
 
@@ -128,7 +129,7 @@ fn load(
     state_scales(&mut provenance, &scale.to_string().to_ascii_lowercase(), &plan.photometry);
     if let Skies::Growing(growing) = &skies {
         let starts = parts.iter().map(|(part, _)| part.span.0);
-        schedule_verdicts::state_periods(&mut provenance, &growing.inputs, &prepared, starts)?;
+        schedule_verdicts::state_periods(&mut provenance, &growing.inputs, starts)?;
     }
     if let Some((path, schedule)) = schedule {
         let of_schedule = schedule.warnings(&plan.policy);

@@ -29,7 +29,7 @@ pub const LIMIT_MAG: Parameter = optional(
 );
 
 /// Statements of the provenance that depend on the period of constellations that grow.
-const OF_SATELLITES: [&str; 3] = ["shells", "satellites", "models"];
+const OF_SATELLITES: [&str; 4] = ["elements", "shells", "satellites", "models"];
 
 /// Schedule with its verdicts, satellites and site.
 pub struct ServerState {

@@ -73,6 +73,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         id: ID.to_owned(),
         row: 0,
         band: query.text("band").map(str::to_owned),
+        open_s: None,
         exposure: Ok(exposure.clone()),
     };
     let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(row.band.as_deref()));
@@ -108,7 +109,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         before_and_after.clear();
     }
     let streaks = streak_table(
-        passes.iter().map(|pass| request.streak_row(&exposure, pass, row.band.as_deref(), limit_mag)),
+        passes.iter().map(|pass| request.streak_row((&exposure, None), pass, row.band.as_deref(), limit_mag)),
         StreakColumns { p_brighter: policy.has_limit_in(row.band.as_deref()), chords: true, samples: samples > 0 },
     );
     let around = Table {

@@ -110,7 +110,7 @@ fn scheduled(state: &RequestState, row: usize, text: &str, rotation_deg: f64) ->
         pointing,
         rotation_rad: rotation_deg.to_radians(),
     };
-    Ok(ScheduledExposure { id, row, band, exposure: Ok(exposure) })
+    Ok(ScheduledExposure { id, row, band, open_s: None, exposure: Ok(exposure) })
 }
 
 pub fn schema() -> Value {
