@@ -11,7 +11,7 @@ use super::super::header::Header;
 use super::comment::{Comment, Role};
 use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, NAMED_STARTS, unreadable};
 use super::length::{Length, REMARKS, STATED_S, length};
-use super::moment::{Keywords, is_spelling};
+use super::moment::{DateText, Keywords, is_spelling, parse_date};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 
 /// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
@@ -231,7 +231,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         // UT of Subaru is that of the start, with the comment "typical UTC at the exposure (middle".
         let is_read_early = other.is_loose && other.role == Role::Middle && states_start(keywords, &first);
         let early_s = early_s + if is_read_early { duration_s / 2.0 } else { 0.0 };
-        let late_s = if other.is_loose { LOOSE_END_S + duration_s } else { 0.0 };
+        let late_s = if other.is_loose || other.is_loose_clock { LOOSE_END_S + duration_s } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
             0.0
@@ -270,7 +270,14 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
     let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
+    let created = instants.created.take().filter(|(from, _)| first.from.starts_with(from)).map(|(from, text)| {
+        format!(
+            "{from} is read as the end of the exposure, at which this camera creates its images (comment {text:?}), without the \
+             time for readout; for another start specify --start"
+        )
+    });
     if approximate.is_none()
+        && created.is_none()
         && let Some(comment) = comments_of(keywords, &first).into_iter().find(Comment::is_doubtful)
     {
         remarks.push(format!(
@@ -279,6 +286,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             comment.text()
         ));
     }
+    remarks.extend(created);
+    remarks.extend(written_early(keywords, &first, duration_s));
     remarks.extend(about_times(keywords, &first));
     remarks.extend(other_parts(&instants, &first, duration_s));
     remarks.extend(zone(keywords, &instants, &first));
@@ -338,7 +347,7 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
     };
     let clock_s = seconds_of_day(start.epoch);
     let (name, _) = instants.local_clocks.iter().find(|(_, local_s)| (local_s - clock_s).abs() < START_SLACK_S)?;
-    let longitude_deg = site_from_headers(keywords.0).ok().flatten().map(|site| site.longitude_rad.to_degrees());
+    let longitude_deg = site_from_headers(keywords.0).ok().flatten().map(|found| found.site.longitude_rad.to_degrees());
     let longitude_deg = longitude_deg.or_else(|| longitude_of_unknown_sense_deg(keywords));
     let is_zero_zone = keywords.number(&["TIMEZONE", "TIME-ZONE"], |_| true).map(|(_, hours, _)| hours == 0.0);
     // Without zone and longitude, a header that states UTC is believed: the clock of the computer was in UTC.
@@ -369,6 +378,24 @@ fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
     let is_named = |name: &str| NAMED_STARTS.iter().any(|known| is_spelling(known, name));
     let is_stated = |comment: &Comment| matches!(comment.role(None), Ok(Some(Role::Start)));
     start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
+}
+
+/// Returns a sentence about a file that was written before the end of the exposure, if nothing states that the start is the
+/// start: its time may be that of the end, as UTC in headers of Keck's LRIS.
+fn written_early(keywords: Keywords<'_>, start: &Start, duration_s: f64) -> Option<String> {
+    let (name, text, _) = keywords.text_and_comment("DATE")?;
+    let DateText::Moment(written) = parse_date(&text, TimeScale::UTC) else { return None };
+    let late_s = seconds_between(start.epoch, written);
+    let latest_s = (1.0 - SHIFT_SLACK) * duration_s - START_SLACK_S - start.slack_s;
+    let is_early = (-START_SLACK_S - start.slack_s..latest_s).contains(&late_s);
+    (is_early && !start.from.contains(" - ") && !states_start(keywords, start)).then(|| {
+        format!(
+            "the start is that of {}, but the file was written {:.1} s after it, before the end of the exposure ({name}): if it \
+             is the time of the end, specify --start",
+            start.from,
+            late_s.max(0.0)
+        )
+    })
 }
 
 /// Returns a sentence about the first card that states an error of the times of the header, or in which part of the

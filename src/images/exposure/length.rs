@@ -347,7 +347,12 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error
 /// Returns true if the comment of an exposure time states that it is that of one of several exposures; "per pixel" does
 /// not.
 fn is_of_part(comment: &Comment) -> bool {
-    comment.has(PER_PART) && !comment.has_pair("per", "pixel pix")
+    // "s/frame"
+    let mut divisors =
+        comment.text().split('/').skip(1).map(|rest| rest.split(|c: char| !c.is_ascii_alphabetic()).next());
+    let is_per_frame =
+        divisors.any(|word| word.is_some_and(|word| FRAMES.split(' ').any(|frame| frame == word.to_ascii_lowercase())));
+    is_per_frame || (comment.has(PER_PART) && !comment.has_pair("per", "pixel pix"))
 }
 
 /// Returns true if two exposure times are taken as the same.

@@ -6,7 +6,7 @@ use super::unit::seconds_in;
 use super::{CLOCK, Comment, EXPOSURE, lists};
 
 /// Words of times that are only near the part of the exposure that the comment states.
-const APPROXIMATE: &str = "approximate approximately approx about nominal first";
+const APPROXIMATE: &str = "approximate approximately approx estimated about nominal first";
 /// Words of comments that state nothing else than a date, in addition to the words of exposures and clocks.
 const NEUTRAL: &str = "as is was when which with on by taken acquired acquisition data gregorian calendar greenwich modified \
      coordinated international atomic standard matching ob day format iso isot iso8601 fits value number since nov days seconds hours sec \

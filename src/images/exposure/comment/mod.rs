@@ -8,7 +8,7 @@ mod doubt;
 mod part;
 mod unit;
 
-pub use part::Role;
+pub use part::{AFTER_EXPOSURE, Role};
 pub use unit::seconds_in;
 
 const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exposicao esposizione exptime pose posa \

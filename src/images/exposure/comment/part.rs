@@ -51,8 +51,10 @@ const OTHERS: &str = "previous preceding next following last after post recorded
 const PLANS: &str = "planned requested scheduled proposed";
 /// Words of events after the exposure, at an unknown delay.
 const EVENTS: &str = "received reception arrival arrived created creation saved saving stored written writing write \
-     generated modified downloaded download transferred readout";
+     generated modified downloaded download transferred transfer transmitted readout";
 const CORRECTED: &str = "heliocentric barycentric hjd bjd bmjd hmjd";
+/// Reason why the time of such an event cannot be used.
+pub const AFTER_EXPOSURE: &str = "the time of an event after the exposure";
 const UNCLEAR: &str = "perhaps of another part of the exposure, or of another event,";
 
 impl Comment {
@@ -72,9 +74,6 @@ impl Comment {
         if self.has(CORRECTED) {
             return Err("a time corrected to the Sun or the barycentre");
         }
-        if self.has(EVENTS) {
-            return Err("the time of an event after the exposure");
-        }
         if self.has(PLANS) {
             return Err("a planned time");
         }
@@ -82,6 +81,9 @@ impl Comment {
             return Err(UNCLEAR);
         }
         let (stated, is_unclear) = self.parts();
+        if stated.is_empty() && self.has(EVENTS) {
+            return Err(AFTER_EXPOSURE);
+        }
         match (&stated[..], named) {
             ([], None) if is_unclear => Err(UNCLEAR),
             ([], named) => Ok(named),
@@ -127,7 +129,7 @@ impl Comment {
                     let is_adjective = lists(ADJECTIVES, &words[at])
                         && !(at > 0 && lists(EXPOSURE, &words[at - 1]))
                         && words.len() > at + 1;
-                    if is_adjective {
+                    if is_adjective || is_of_event(words, at) {
                         continue;
                     }
                     match qualifies(words, at) {
@@ -183,6 +185,18 @@ fn is_sum(joined: &str) -> bool {
     let Some(added) = rest[name.len()..].strip_prefix('+') else { return false };
     let end = added.trim_start_matches(|c: char| c == '_' || c.is_ascii_alphabetic());
     name.contains('-') && (end.is_empty() || end.starts_with(['(', ')', ']', ',', ';']))
+}
+
+/// Returns true if a word of a part qualifies an event after the exposure, as in "start of image transfer" and "readout
+/// start time", but not in "end of exposure before readout".
+fn is_of_event(words: &[String], at: usize) -> bool {
+    let is_clock = |word: &String| lists(FILLERS, word) || lists(CLOCK, word);
+    let is_event = |word: Option<&String>| word.is_some_and(|word| lists(EVENTS, word));
+    let mut rest = words[at + 1..].iter().skip_while(|word| is_clock(word));
+    match rest.next() {
+        None => is_event(words[..at].iter().rev().find(|word| !is_clock(word))),
+        Some(next) => is_event(Some(next)) || (lists(EXPOSURE, next) && is_event(rest.next())),
+    }
 }
 
 /// Returns true if a word of a part qualifies the time or the exposure, false if it may, and `None` if it does not. The
@@ -261,9 +275,14 @@ mod tests {
             ("System Clock:Est. Frame Start", Ok(Some(Role::Start))),
             ("SYSTEM CLOCK:EST. FRAME END", Ok(Some(Role::End))),
             ("shutter closed", Ok(Some(Role::End))),
-            ("System Clock:Frame Received", Err("the time of an event after the exposure")),
-            ("Image created time", Err("the time of an event after the exposure")),
-            ("Start of readout", Err("the time of an event after the exposure")),
+            ("System Clock:Frame Received", Err(AFTER_EXPOSURE)),
+            ("Image created time", Err(AFTER_EXPOSURE)),
+            ("Start of readout", Err(AFTER_EXPOSURE)),
+            ("readout start time", Err(AFTER_EXPOSURE)),
+            ("UTC at end of image transfer", Err(AFTER_EXPOSURE)),
+            ("start of exposure, which ends with readout", Ok(Some(Role::Start))),
+            ("UTC at end of exposure, before readout", Ok(Some(Role::End))),
+            ("end of exposure (excluding readout)", Ok(Some(Role::End))),
             ("Local time at start", Err("a local time")),
             ("MST, start", Err("a local time")),
             ("Local sidereal time", Err("a sidereal time")),

@@ -1,6 +1,12 @@
 //! Units of time in comments.
 
-use super::Comment;
+use super::{Comment, lists};
+
+/// Words of steps, before or after their size, as in "units of 10 ms" and "10 ms steps".
+const SIZED: &str = "unit units step steps tick ticks increments multiples";
+const STEPS: &str = "ticks jiffies";
+/// Endings of words of seconds, minutes and hours in several languages, after their stems.
+const ENDINGS: &[&str] = &["", "s", "e", "es", "en", "n", "o", "os", "i", "a", "as"];
 
 impl Comment {
     /// Returns the number of seconds in the unit of time that the comment states; `None` if it states none.
@@ -28,7 +34,12 @@ impl Comment {
         if lower.contains("?s") {
             return Err("a unit that is not ASCII".to_owned());
         }
-        let (part, lower) = fraction(&lower)?;
+        if is_clock_form(&lower) {
+            return Err("the form of a clock, such as h:m:s".to_owned());
+        }
+        if let Some(unit_s) = multiple(&lower)? {
+            return Ok(Some(unit_s));
+        }
         // Short words are units only in brackets, after "in" or "unit", or alone: "(s)", "in min", "hr".
         let is_short =
             |word: &str| word.len() <= 2 && !["us", "ms", "ns"].contains(&word) || ["min", "day"].contains(&word);
@@ -48,14 +59,25 @@ impl Comment {
             "fraction of a ",
             "fractional ",
         ];
+        // Minutes and seconds as in angles: "exposure (')".
+        let (signs, marked) = ([("'", 60.0), ("\"", 1.0)], [["(", ")"], ["[", "]"]]);
+        if let Some((_, unit_s)) = signs
+            .iter()
+            .find(|(sign, _)| marked.iter().any(|[open, close]| lower.contains(&format!("{open}{sign}{close}"))))
+        {
+            return Ok(Some(*unit_s));
+        }
         // "(min/max)" is no unit.
         let follows = |mark: &str, word: &str| {
             let phrase = format!("{mark}{word}");
             let mut nexts = lower.match_indices(&phrase).map(|(at, _)| lower[at + phrase.len()..].chars().next());
             nexts.any(|next| next.is_none_or(|next| next != '/' && !next.is_ascii_alphanumeric()))
         };
-        let is_marked =
-            |word: &str| lower.trim().trim_end_matches('.') == word || marks.iter().any(|mark| follows(mark, word));
+        // "Exposure time, h" and "Exposure time / min", but not "(min 0.1, max 30)".
+        let last = lower.rsplit([',', ';', ':']).next().unwrap_or_default();
+        let last = last.rsplit(" / ").next().unwrap_or_default().trim().trim_end_matches('.');
+        let is_least = |word: &str| word == "min" && lower.contains("max");
+        let is_marked = |word: &str| !is_least(word) && (last == word || marks.iter().any(|mark| follows(mark, word)));
         if is_marked("m") {
             return Err("the unit m".to_owned());
         }
@@ -73,9 +95,9 @@ impl Comment {
         units.sort_by(f64::total_cmp);
         units.dedup();
         let named = [("thousandth", 1e-3), ("hundredth", 1e-2), ("tenth", 1e-1)];
-        let named = named.iter().find(|(word, _)| lower.contains(word)).map(|(_, part)| *part);
-        let part = named.unwrap_or(part);
+        let part = named.iter().find(|(word, _)| lower.contains(word)).map_or(1.0, |(_, part)| *part);
         match units[..] {
+            [] if self.has(STEPS) => Err("steps of unknown size".to_owned()),
             [] => Ok(None),
             [unit_s] => Ok(Some(part * unit_s)),
             _ => Err("several units".to_owned()),
@@ -83,33 +105,69 @@ impl Comment {
     }
 }
 
-/// Returns the factor of a unit such as `1/1000 s`, 1 if the text contains none, and the text without the factor.
+/// Returns the number of seconds in a unit with a factor: `1/1000 s` anywhere, and `10 ms` alone or as in "in 10 ms", "units
+/// of 10 ms" and "10 ms steps"; `None` if the text contains none.
 ///
 /// # Errors
-/// A unit divided by a number.
-fn fraction(text: &str) -> Result<(f64, String), String> {
-    for (at, _) in text.match_indices('/') {
-        let divisor = text[at + 1..].split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
-        let Ok(number) = divisor.parse::<f64>() else { continue };
-        let before = text[..at].rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
-        if before == "1" && number > 1.0 {
-            let rest = text[at + 1 + divisor.len()..].trim_start();
-            // "frame 1/5" is no unit.
-            let word = rest.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-            if seconds_in(word).is_none() {
-                continue;
-            }
-            return Ok((number.recip(), format!("{}{rest}", &text[..at - 1])));
+/// A unit divided or multiplied by a number.
+fn multiple(text: &str) -> Result<Option<f64>, String> {
+    let text = text.trim();
+    let is_part_of_word = |c: char| c.is_ascii_alphanumeric() || c == '.';
+    let begins_word = |at: usize| !text[..at].ends_with(is_part_of_word);
+    let numbers = text.char_indices().filter(|(at, c)| c.is_ascii_digit() && begins_word(*at));
+    for (at, _) in numbers {
+        let end =
+            at + text[at..].find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '/')).unwrap_or(text.len() - at);
+        let (top, bottom) = text[at..end].split_once('/').unwrap_or((&text[at..end], "1"));
+        let (Ok(top), Ok(bottom)) = (top.parse::<f64>(), bottom.parse::<f64>()) else { continue };
+        let is_fraction = top == 1.0 && bottom > 1.0;
+        let before = text[..at].trim_end();
+        let word_before = before.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        let operator = before.chars().next_back().filter(|c| matches!(c, '/' | '*' | 'x'));
+        let is_operator = operator.is_some_and(|c| c != 'x' || word_before == "x");
+        let factored = before.trim_end_matches(['/', '*', 'x', ' ']);
+        let unit_before = factored.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        if is_operator && seconds_in(unit_before).is_some() && factored.ends_with(|c: char| c.is_ascii_alphabetic()) {
+            return Err("a unit divided or multiplied by a number".to_owned());
         }
-        if seconds_in(before).is_some() {
-            return Err("a unit divided by a number".to_owned());
+        let rest = text[end..].trim_start();
+        let unit_end = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
+        let Some(unit_s) = seconds_in(&rest[..unit_end]) else { continue };
+        let mut after = rest[unit_end..].split(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty());
+        let mut words_before = before.rsplit(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty());
+        let (last, last_but_one) = (words_before.next(), words_before.next());
+        let is_sized = |word: Option<&str>| word.is_some_and(|word| lists(SIZED, word));
+        let is_alone = before.is_empty() && rest[unit_end..].trim_matches(['.', ' ']).is_empty();
+        let is_unit =
+            is_alone || last == Some("in") || (last == Some("of") && is_sized(last_but_one)) || is_sized(after.next());
+        if is_fraction || (is_unit && bottom == 1.0 && top > 0.0) {
+            return Ok(Some(unit_s * top / bottom));
         }
     }
-    Ok((1.0, text.to_owned()))
+    Ok(None)
 }
 
-/// Returns the number of seconds in a unit of time, for example `ms`, `10 us`, `1/1000 s` or `hours`; `None` for other
-/// words.
+/// Returns true if a text contains units joined by colons, as in "(hours:min)" and "hh:mm:ss".
+fn is_clock_form(text: &str) -> bool {
+    let is_unit = |word: &str| {
+        let first = word.chars().next();
+        let is_repeated =
+            || word.len() <= 2 && "hms".contains(first.unwrap_or(' ')) && word.chars().all(|c| Some(c) == first);
+        seconds_in(word).is_some() || is_repeated() || word == "m"
+    };
+    if ["mm.ss", "hh.mm", "mmss", "hhmm"].iter().any(|form| text.contains(form)) {
+        return true;
+    }
+    let is_form = |(at, _): (usize, &str)| {
+        let before = text[..at].rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        let after = text[at + 1..].split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        is_unit(before) && is_unit(after)
+    };
+    text.match_indices(':').any(is_form)
+}
+
+/// Returns the number of seconds in a unit of time, for example `ms`, `10 us`, `1/1000 s`, `hours` or `Minuten`; `None` for
+/// other words.
 pub fn seconds_in(unit: &str) -> Option<f64> {
     if let Some((_, rest)) = unit.split_once("1/") {
         let (divisor, name) = rest.split_once(' ')?;
@@ -117,19 +175,41 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
     }
     let digits = unit.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(0);
     let factor: f64 = if digits > 0 { unit[..digits].parse().ok()? } else { 1.0 };
-    let name = unit[digits..].trim().trim_end_matches('.');
-    let seconds = match name.to_ascii_lowercase().as_str() {
-        "s" | "sec" | "secs" | "second" | "seconds" => 1.0,
-        "ds" | "decisecond" | "deciseconds" => 0.1,
-        "cs" | "centisecond" | "centiseconds" => 1e-2,
-        "ms" | "msec" | "msecs" | "millisec" | "millisecs" | "millisecond" | "milliseconds" => 1e-3,
-        "us" | "usec" | "usecs" | "microsec" | "microsecs" | "microsecond" | "microseconds" => 1e-6,
-        "ns" | "nsec" | "nanosec" | "nanosecond" | "nanoseconds" => 1e-9,
-        "ks" | "ksec" | "kilosecond" | "kiloseconds" => 1e3,
-        "min" | "mins" | "mn" | "minute" | "minutes" => 60.0,
-        "h" | "hr" | "hrs" | "hour" | "hours" => 3600.0,
-        "d" | "day" | "days" => crate::constants::DAY_S,
-        _ => return None,
+    let name = unit[digits..].trim().trim_end_matches('.').to_ascii_lowercase();
+    let is_of = |stems: &[&str], name: &str| {
+        stems.iter().any(|stem| name.strip_prefix(stem).is_some_and(|ending| ENDINGS.contains(&ending)))
+    };
+    let is_second = |name: &str| is_of(&["sec", "second", "segund", "sekund"], name);
+    let prefixes = [
+        ("deci", 0.1),
+        ("centi", 1e-2),
+        ("milli", 1e-3),
+        ("m", 1e-3),
+        ("micro", 1e-6),
+        ("u", 1e-6),
+        ("nano", 1e-9),
+        ("n", 1e-9),
+        ("kilo", 1e3),
+        ("k", 1e3),
+    ];
+    let prefixed =
+        || prefixes.iter().find(|(prefix, _)| name.strip_prefix(prefix).is_some_and(is_second)).map(|(_, size)| *size);
+    let seconds = match name.as_str() {
+        "s" => 1.0,
+        "ds" => 0.1,
+        "cs" => 1e-2,
+        "ms" => 1e-3,
+        "us" => 1e-6,
+        "ns" => 1e-9,
+        "ks" => 1e3,
+        "min" | "mins" | "mn" => 60.0,
+        "h" | "hr" | "hrs" => 3600.0,
+        "d" => crate::constants::DAY_S,
+        name if is_second(name) => 1.0,
+        name if is_of(&["minut"], name) => 60.0,
+        name if is_of(&["hour", "heur", "hor", "stund"], name) && name != "hor" => 3600.0,
+        name if is_of(&["day", "jour"], name) => crate::constants::DAY_S,
+        _ => prefixed()?,
     };
     Some(factor * seconds)
 }
@@ -173,7 +253,27 @@ mod tests {
             ("mn", Ok(Some(60.0))),
             ("log10(s)", Err("a function of seconds (log10)".to_owned())),
             ("shutter speed 1/x s", Err("a function of seconds (1/x)".to_owned())),
-            ("secs/1000", Err("a unit divided by a number".to_owned())),
+            ("exposure (')", Ok(Some(60.0))),
+            ("exposure (hours:min)", Err("the form of a clock, such as h:m:s".to_owned())),
+            ("duration hh:mm:ss", Err("the form of a clock, such as h:m:s".to_owned())),
+            ("exposure in s: requested", Ok(Some(1.0))),
+            ("secs/1000", Err("a unit divided or multiplied by a number".to_owned())),
+            ("exposure (seconds x 10)", Err("a unit divided or multiplied by a number".to_owned())),
+            ("in units of 10 ms", Ok(Some(0.01))),
+            ("10 ms steps", Ok(Some(0.01))),
+            ("ticks of 1/60 s", Ok(Some(1.0 / 60.0))),
+            ("0.01 s", Ok(Some(0.01))),
+            ("ticks", Err("steps of unknown size".to_owned())),
+            ("exposure of 30 s", Ok(None)),
+            ("exposure (max 30 s)", Ok(None)),
+            ("seconds (min 0.1, max 3600)", Ok(Some(1.0))),
+            ("mm.ss", Err("the form of a clock, such as h:m:s".to_owned())),
+            ("Exp. time, h", Ok(Some(3600.0))),
+            ("Integration time / min", Ok(Some(60.0))),
+            ("Belichtungszeit in Minuten", Ok(Some(60.0))),
+            ("duree en heures", Ok(Some(3600.0))),
+            ("tiempo en segundos", Ok(Some(1.0))),
+            ("secondary mirror", Ok(None)),
             ("exposure (?s)", Err("a unit that is not ASCII".to_owned())),
         ] {
             assert_eq!(Comment::new(text).unit_s(), seconds, "{text}");
