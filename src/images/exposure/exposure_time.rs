@@ -25,7 +25,8 @@ const SHIFT_SLACK: f64 = 0.1;
 const LOOSE_END_S: f64 = 60.0;
 /// Part of the exposure time up to which a readout may be included in the end (48 s after 300 s at MegaCam of the CFHT).
 const READOUT_SHARE: f64 = 0.25;
-/// Time by which a clock of the telescope may be before the start, seconds.
+/// Time by which a clock of the telescope may be before the start, and by which times may differ where TIMESYS calls them
+/// approximate, seconds.
 const LOOSE_START_S: f64 = 10.0;
 
 /// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
@@ -223,6 +224,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     if let Some(error) = same_as_local(keywords, &instants, &first) {
         return Err(error);
     }
+    let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
     for other in instants.found.iter().filter(|other| other.role != Role::End) {
         // A clock of the telescope is read some seconds before the shutter opens (ESO), that of the camera perhaps after
         // the exposure. Days may be cut off to the digit before.
@@ -240,7 +242,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         };
         let difference_s = seconds_between(first.epoch, other_start.epoch);
         let digits_s = first.slack_s + other.slack_s;
-        let slack_s = START_SLACK_S + digits_s + shift_s;
+        let clock_s = if approximate.is_some() { LOOSE_START_S } else { 0.0 };
+        let slack_s = START_SLACK_S + digits_s + shift_s + clock_s;
         if !(-slack_s - early_s..=slack_s + late_s).contains(&difference_s) {
             let scale = scale(keywords)?.0;
             let [first_start, second_start] =
@@ -254,7 +257,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
                 "one start; specify --start",
             ));
         }
-        let least_s = if difference_s < 0.0 { START_SLACK_S } else { STATED_S };
+        let least_s = if difference_s < 0.0 || approximate.is_some() { START_SLACK_S } else { STATED_S };
         if difference_s.abs() > least_s + digits_s + if other.is_loose { other.slack_s } else { 0.0 } {
             let side = if difference_s > 0.0 { "later" } else { "earlier" };
             remarks.push(format!(
@@ -269,7 +272,6 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let from = &first.from;
         remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
-    let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
     let created = instants.created.take().filter(|(from, _)| first.from.starts_with(from)).map(|(from, text)| {
         format!(
             "{from} is read as the end of the exposure, at which this camera creates its images (comment {text:?}), without the \

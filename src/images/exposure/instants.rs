@@ -172,6 +172,12 @@ impl Instants {
         for keyword in DATES {
             reader.date(keyword)?;
         }
+        // "UTDATE" of the AAT
+        if DATES.iter().all(|keyword| keywords.find(keyword).is_none()) {
+            for keyword in UNIVERSAL_DATES {
+                reader.date(keyword)?;
+            }
+        }
         for keyword in MODIFIED_DATES.iter().chain(JULIAN_DATES) {
             reader.days(keyword, Role::Start, false)?;
         }

@@ -12,10 +12,10 @@ pub use part::{AFTER_EXPOSURE, Role};
 pub use unit::seconds_in;
 
 const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exposicao esposizione exptime pose posa \
-     belichtung aufnahme integration integrations int observation observations observing obs frame frames image images \
+     belichtung belichtungs aufnahme integration integrations int observation observations observing obs frame frames image images \
      img shutter scan capture stack interval visit coadd coadds dce";
 const CLOCK: &str = "time times date dates datetime timestamp timestamps stamp t ut utc ut1 tu tai tt tdb gmt epoch jd \
-     mjd julian instant moment point pt way yyyy ccyy dd hh hms ymd";
+     mjd julian instant moment point points pt way yyyy ccyy dd hh hms ymd";
 /// Phrases in which a word of a part or of a zone qualifies something else.
 const OTHER_MEANINGS: &[&str] = &[
     "front end",
@@ -32,7 +32,6 @@ const OTHER_MEANINGS: &[&str] = &[
     "half a day",
     "greenwich mean",
     "universal mean",
-    "mean solar",
     "mean equinox",
     "modified julian",
     "modified jd",
@@ -48,6 +47,30 @@ fn lists(list: &str, word: &str) -> bool {
     list.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word))
 }
 
+/// Splits words such as "MidExposure", "UTstart" and "expend" into a word of a part and one of the exposure or a clock.
+fn parts_of_word(word: &str) -> Vec<&str> {
+    let is_part = |word: &str| part::PARTS.iter().any(|(_, list)| lists(list, word));
+    let is_other = |word: &str| lists(EXPOSURE, word) || lists(CLOCK, word);
+    let ends = (1..word.len()).map(|at| word.split_at(at));
+    let found = ends.filter(|(first, last)| (is_part(first) && is_other(last)) || (is_other(first) && is_part(last)));
+    // "exposureMidTime" has three.
+    let capital = || {
+        let is_end = |at: &usize| {
+            let (first, last) = word.split_at(*at);
+            first.ends_with(|c: char| c.is_ascii_lowercase()) && last.starts_with(|c: char| c.is_ascii_uppercase())
+        };
+        let at = (3..word.len().saturating_sub(2)).find(is_end)?;
+        Some(word.split_at(at))
+    };
+    if is_part(word) || is_other(word) {
+        return vec![word];
+    }
+    match found.last() {
+        Some((first, last)) => vec![first, last],
+        None => capital().map_or_else(|| vec![word], |(first, rest)| [vec![first], parts_of_word(rest)].concat()),
+    }
+}
+
 /// Comment of a card with its words.
 #[derive(Clone, Debug)]
 pub struct Comment {
@@ -61,7 +84,7 @@ impl Comment {
     pub fn new(text: &str) -> Self {
         let clauses = text.split([',', ';', ':', '.', '(', ')', '[', ']']).map(|clause| {
             let words = clause.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
-            let mut words: Vec<String> = words.map(str::to_owned).collect();
+            let mut words: Vec<String> = words.flat_map(parts_of_word).map(str::to_owned).collect();
             for phrase in OTHER_MEANINGS {
                 let phrase: Vec<&str> = phrase.split(' ').collect();
                 let is_phrase = |part: &[String]| part.iter().zip(&phrase).all(|(a, b)| a.eq_ignore_ascii_case(b));

@@ -15,18 +15,17 @@ pub(super) const PARTS: &[(Role, &str)] = &[
     (
         Role::Start,
         "start starts started starting begin begins beginning began beg open opens opened opening debut beginn anfang \
-         inicio inizio utstart aufnahmebeginn belichtungsbeginn",
+         inicio inizio",
     ),
     (
         Role::Middle,
-        "mid middle midpoint midpoints midpt midtime midexp midexposure midobs midobservation midframe midscan midway \
-         tmid utmid utcmid jdmid meantime half halfway effective weighted center centre central average averaged avg mean median mitte \
-         milieu mitad medio centro meio aufnahmemitte belichtungsmitte",
+        "mid middle half effective weighted center centre central average averaged avg mean median mitte milieu mitad \
+         medio centro meio",
     ),
     (
         Role::End,
-        "end ends ended ending endexp endobs finish finished stop stops stopped close closes closed closing shut off \
-         complete completion completed terminated fin fim ende utend eoe aufnahmeende belichtungsende",
+        "end ends ended ending finish finished stop stops stopped close closes closed closing closure shut off complete \
+         completion completed terminated fin fim ende eoe",
     ),
 ];
 /// Words of the end that have another meaning before a noun.
@@ -191,7 +190,9 @@ fn is_sum(joined: &str) -> bool {
 /// start time", but not in "end of exposure before readout".
 fn is_of_event(words: &[String], at: usize) -> bool {
     let is_clock = |word: &String| lists(FILLERS, word) || lists(CLOCK, word);
-    let is_event = |word: Option<&String>| word.is_some_and(|word| lists(EVENTS, word));
+    // "start time saved by the server" is a start.
+    let is_noun = |word: &String| lists(EVENTS, word) && !word.ends_with("ed") && word != "written";
+    let is_event = |word: Option<&String>| word.is_some_and(is_noun);
     let mut rest = words[at + 1..].iter().skip_while(|word| is_clock(word));
     match rest.next() {
         None => is_event(words[..at].iter().rev().find(|word| !is_clock(word))),
@@ -275,6 +276,15 @@ mod tests {
             ("System Clock:Est. Frame Start", Ok(Some(Role::Start))),
             ("SYSTEM CLOCK:EST. FRAME END", Ok(Some(Role::End))),
             ("shutter closed", Ok(Some(Role::End))),
+            ("shutter closure", Ok(Some(Role::End))),
+            ("EndExposure", Ok(Some(Role::End))),
+            ("exposureMidTime", Ok(Some(Role::Middle))),
+            ("expend", Ok(Some(Role::End))),
+            ("Belichtungsbeginn", Ok(Some(Role::Start))),
+            ("start time saved by server", Ok(Some(Role::Start))),
+            ("PixInsight date", Ok(None)),
+            ("MeanSolarTime", Err(UNCLEAR)),
+            ("Greenwich mean solar time", Ok(None)),
             ("System Clock:Frame Received", Err(AFTER_EXPOSURE)),
             ("Image created time", Err(AFTER_EXPOSURE)),
             ("Start of readout", Err(AFTER_EXPOSURE)),
