@@ -105,8 +105,8 @@ impl Comment {
     }
 }
 
-/// Returns the number of seconds in a unit with a factor: `1/1000 s` anywhere, and `10 ms` alone or as in "in 10 ms", "units
-/// of 10 ms" and "10 ms steps"; `None` if the text contains none.
+/// Returns the number of seconds in a unit with a factor: `1/1000 s` anywhere, and `10 ms` as in "units of 10 ms" and
+/// "10 ms steps"; `None` if the text contains none.
 ///
 /// # Errors
 /// A unit divided or multiplied by a number.
@@ -137,9 +137,8 @@ fn multiple(text: &str) -> Result<Option<f64>, String> {
         let mut words_before = before.rsplit(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty());
         let (last, last_but_one) = (words_before.next(), words_before.next());
         let is_sized = |word: Option<&str>| word.is_some_and(|word| lists(SIZED, word));
-        let is_alone = before.is_empty() && rest[unit_end..].trim_matches(['.', ' ']).is_empty();
-        let is_unit =
-            is_alone || last == Some("in") || (last == Some("of") && is_sized(last_but_one)) || is_sized(after.next());
+        // "30 s" alone repeats the value.
+        let is_unit = (last == Some("of") && is_sized(last_but_one)) || is_sized(after.next());
         if is_fraction || (is_unit && bottom == 1.0 && top > 0.0) {
             return Ok(Some(unit_s * top / bottom));
         }
@@ -262,7 +261,7 @@ mod tests {
             ("in units of 10 ms", Ok(Some(0.01))),
             ("10 ms steps", Ok(Some(0.01))),
             ("ticks of 1/60 s", Ok(Some(1.0 / 60.0))),
-            ("0.01 s", Ok(Some(0.01))),
+            ("30 s", Ok(None)),
             ("ticks", Err("steps of unknown size".to_owned())),
             ("exposure of 30 s", Ok(None)),
             ("exposure (max 30 s)", Ok(None)),
