@@ -42,30 +42,35 @@ const OTHER_MEANINGS: &[&str] = &[
     "not the local",
 ];
 
+/// Length of the shortest word of two, as "tmid".
+const SHORTEST_PAIR: usize = 4;
+
 /// Returns true if a list of words contains a word, in upper or lower case.
 fn lists(list: &str, word: &str) -> bool {
     list.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word))
 }
 
-/// Splits words such as "MidExposure", "UTstart" and "expend" into a word of a part and one of the exposure or a clock.
+/// Splits words such as "MidExposure", "UTstart" and "expend" into a word of a part and one of the exposure or a clock, and
+/// other words at a capital.
 fn parts_of_word(word: &str) -> Vec<&str> {
-    let is_part = |word: &str| part::PARTS.iter().any(|(_, list)| lists(list, word));
     let is_other = |word: &str| lists(EXPOSURE, word) || lists(CLOCK, word);
-    let ends = (1..word.len()).map(|at| word.split_at(at));
-    let found = ends.filter(|(first, last)| (is_part(first) && is_other(last)) || (is_other(first) && is_part(last)));
-    // "exposureMidTime" has three.
-    let capital = || {
-        let is_end = |at: &usize| {
-            let (first, last) = word.split_at(*at);
-            first.ends_with(|c: char| c.is_ascii_lowercase()) && last.starts_with(|c: char| c.is_ascii_uppercase())
-        };
-        let at = (3..word.len().saturating_sub(2)).find(is_end)?;
-        Some(word.split_at(at))
-    };
-    if is_part(word) || is_other(word) {
+    let of_parts = || part::PARTS.iter().flat_map(|(_, list)| list.split_ascii_whitespace());
+    if word.len() < SHORTEST_PAIR || is_other(word) || of_parts().any(|part| part.eq_ignore_ascii_case(word)) {
         return vec![word];
     }
-    match found.last() {
+    let pair = of_parts().filter(|part| part.len() < word.len()).find_map(|part| {
+        let [after, before] = [part.len(), word.len() - part.len()].map(|at| word.split_at(at));
+        let is_first = after.0.eq_ignore_ascii_case(part) && is_other(after.1);
+        let is_last = || before.1.eq_ignore_ascii_case(part) && is_other(before.0);
+        if is_first { Some(after) } else { is_last().then_some(before) }
+    });
+    // "exposureMidTime" has three.
+    let letters = word.as_bytes();
+    let capital = || {
+        let is_end = |at: &usize| letters[at - 1].is_ascii_lowercase() && letters[*at].is_ascii_uppercase();
+        (3..letters.len() - 2).find(is_end).map(|at| word.split_at(at))
+    };
+    match pair {
         Some((first, last)) => vec![first, last],
         None => capital().map_or_else(|| vec![word], |(first, rest)| [vec![first], parts_of_word(rest)].concat()),
     }

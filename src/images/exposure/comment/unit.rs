@@ -206,7 +206,7 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
         "d" => crate::constants::DAY_S,
         name if is_second(name) => 1.0,
         name if is_of(&["minut"], name) => 60.0,
-        name if is_of(&["hour", "heur", "hor", "stund"], name) && name != "hor" => 3600.0,
+        name if is_of(&["hour", "heur", "hora", "stund"], name) => 3600.0,
         name if is_of(&["day", "jour"], name) => crate::constants::DAY_S,
         _ => prefixed()?,
     };
