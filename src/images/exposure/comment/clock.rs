@@ -2,7 +2,7 @@
 
 use hifitime::TimeScale;
 
-use super::{Comment, lists};
+use super::words::{Comment, lists};
 
 const LOCAL: &str = "local localtime locale lokal lokale lokalzeit ortszeit civil wall daylight sommerzeit winterzeit";
 /// Words that form the name of a zone together with "time", "standard time" or "summer time".

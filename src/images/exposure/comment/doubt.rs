@@ -1,9 +1,9 @@
 //! Uncertainties of times in comments, and remarks about clocks.
 
 use super::clock::UNIVERSAL;
-use super::part::{FILLERS, PARTS, Role};
+use super::part::FILLERS;
 use super::unit::seconds_in;
-use super::{CLOCK, Comment, EXPOSURE, lists};
+use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
 /// Words of times that are only near the part of the exposure that the comment states.
 const APPROXIMATE: &str = "approximate approximately approx estimated about nominal first";

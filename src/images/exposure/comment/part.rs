@@ -1,33 +1,7 @@
 //! Part of the exposure to which an instant refers, by the comment of its card.
 
-use super::{CLOCK, Comment, EXPOSURE, lists};
+use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
-/// Part of an exposure to which an instant refers.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum Role {
-    Start,
-    Middle,
-    End,
-}
-
-/// Words of the parts of an exposure. They count only where they qualify a word of [`EXPOSURE`] or [`CLOCK`].
-pub(super) const PARTS: &[(Role, &str)] = &[
-    (
-        Role::Start,
-        "start starts started starting begin begins beginning began beg open opens opened opening debut beginn anfang \
-         inicio inizio",
-    ),
-    (
-        Role::Middle,
-        "mid middle half effective weighted center centre central average averaged avg mean median mitte milieu mitad \
-         medio centro meio",
-    ),
-    (
-        Role::End,
-        "end ends ended ending finish finished stop stops stopped close closes closed closing closure shut off complete \
-         completion completed terminated fin fim ende eoe",
-    ),
-];
 /// Words of the end that have another meaning before a noun.
 const ADJECTIVES: &str = "complete off";
 /// Words between a part and what it qualifies.

@@ -1,6 +1,6 @@
 //! Units of time in comments.
 
-use super::{Comment, lists};
+use super::words::{Comment, lists};
 
 /// Words of steps, before or after their size, as in "units of 10 ms" and "10 ms steps".
 const SIZED: &str = "unit units step steps tick ticks increments multiples";
@@ -37,9 +37,15 @@ impl Comment {
         if is_clock_form(&lower) {
             return Err("the form of a clock, such as h:m:s".to_owned());
         }
-        if let Some(unit_s) = multiple(&lower)? {
-            return Ok(Some(unit_s));
-        }
+        let multiple_s = multiple(&lower)?;
+        // In "exposure in s, error 10 ms" and "seconds (1/60 s steps)", the number with a unit is no unit of the value.
+        let bare = without_quantities(&lower);
+        let unit = self.named_unit_s(&bare)?;
+        if unit.is_some() || multiple_s.is_some() { Ok(unit.or(multiple_s)) } else { self.named_unit_s(&lower) }
+    }
+
+    /// Returns the number of seconds in the unit that a word or a sign of the comment, in lower case, names.
+    fn named_unit_s(&self, lower: &str) -> Result<Option<f64>, String> {
         // Short words are units only in brackets, after "in" or "unit", or alone: "(s)", "in min", "hr".
         let is_short =
             |word: &str| word.len() <= 2 && !["us", "ms", "ns"].contains(&word) || ["min", "day"].contains(&word);
@@ -144,6 +150,22 @@ fn multiple(text: &str) -> Result<Option<f64>, String> {
         }
     }
     Ok(None)
+}
+
+/// Returns a text without numbers that are followed by a unit, and without this unit.
+fn without_quantities(text: &str) -> String {
+    let (mut kept, mut rest) = (String::new(), text);
+    while let Some(at) = rest.find(|c: char| c.is_ascii_digit()) {
+        let end =
+            at + rest[at..].find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '/')).unwrap_or(rest.len() - at);
+        let unit = rest[end..].trim_start();
+        let unit_end = unit.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(unit.len());
+        let is_quantity = seconds_in(&unit[..unit_end]).is_some()
+            && !(kept.clone() + &rest[..at]).ends_with(|c: char| c.is_ascii_alphanumeric());
+        kept += &rest[..if is_quantity { at } else { end }];
+        rest = if is_quantity { &unit[unit_end..] } else { &rest[end..] };
+    }
+    kept + rest
 }
 
 /// Returns true if a text contains units joined by colons, as in "(hours:min)" and "hh:mm:ss".
@@ -262,6 +284,9 @@ mod tests {
             ("10 ms steps", Ok(Some(0.01))),
             ("ticks of 1/60 s", Ok(Some(1.0 / 60.0))),
             ("30 s", Ok(None)),
+            ("exposure in s, error 10 ms", Ok(Some(1.0))),
+            ("seconds; 1/60 s accuracy", Ok(Some(1.0))),
+            ("exposure [ms], dead time 2 s", Ok(Some(1e-3))),
             ("ticks", Err("steps of unknown size".to_owned())),
             ("exposure of 30 s", Ok(None)),
             ("exposure (max 30 s)", Ok(None)),
