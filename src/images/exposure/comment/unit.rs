@@ -41,7 +41,13 @@ impl Comment {
         // In "exposure in s, error 10 ms" and "seconds (1/60 s steps)", the number with a unit is no unit of the value.
         let bare = without_quantities(&lower);
         let unit = self.named_unit_s(&bare)?;
-        if unit.is_some() || multiple_s.is_some() { Ok(unit.or(multiple_s)) } else { self.named_unit_s(&lower) }
+        if unit.is_some() || multiple_s.is_some() {
+            return Ok(unit.or(multiple_s));
+        }
+        match self.named_unit_s(&lower)? {
+            None if self.has(STEPS) => Err("steps of unknown size".to_owned()),
+            unit => Ok(unit),
+        }
     }
 
     /// Returns the number of seconds in the unit that a word or a sign of the comment, in lower case, names.
@@ -103,7 +109,6 @@ impl Comment {
         let named = [("thousandth", 1e-3), ("hundredth", 1e-2), ("tenth", 1e-1)];
         let part = named.iter().find(|(word, _)| lower.contains(word)).map_or(1.0, |(_, part)| *part);
         match units[..] {
-            [] if self.has(STEPS) => Err("steps of unknown size".to_owned()),
             [] => Ok(None),
             [unit_s] => Ok(Some(part * unit_s)),
             _ => Err("several units".to_owned()),
