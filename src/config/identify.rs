@@ -12,7 +12,7 @@ use super::values::{Quantity, parse_angle_deg, parse_duration_s, parse_exposure_
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, parse_start, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line};
-use crate::images::{Outline, PixelPosition, parse_regions};
+use crate::images::{OUTLINES, Outline, PixelPosition, parse_regions};
 use crate::input;
 use crate::passes::Exposure;
 
@@ -314,7 +314,7 @@ impl IdentifyConfig {
     fn in_regions(&self, path: &Path) -> Result<(Line, f64), Error> {
         let text = input::read_to_string(path).map_err(Error::io(path))?;
         let mut outlines = Vec::new();
-        for region in parse_regions(&path.display().to_string(), &text)? {
+        for region in parse_regions(&path.display().to_string(), &text, OUTLINES)? {
             outlines.push(match region.outline {
                 Outline::Sky(corners) => corners,
                 Outline::Pixels(corners) => {
@@ -323,7 +323,7 @@ impl IdentifyConfig {
             });
         }
         if outlines.is_empty() {
-            let allowed = "1 or more: polygon, box, line and vector in fk5, icrs or image";
+            let allowed = format!("1 or more: {OUTLINES} in fk5, icrs or image");
             return Err(Error::invalid("number of regions", 0, allowed).in_file("", path));
         }
         let line = fit_line(&outlines).map_err(|error| error.in_file("", path))?;
@@ -340,12 +340,12 @@ impl IdentifyConfig {
         Err(request("this build cannot read frames; regions in image need the cargo feature fits"))
     }
 
-    /// Returns the directions of pixels of the frame.
+    /// Returns the directions of the corners or ends of the part of a region in the frame.
     #[cfg(all(feature = "fits", unix))]
     fn on_sky(&self, pixels: &[PixelPosition]) -> Result<Vec<Direction<Gcrs>>, Error> {
         let Some(frame) = &self.image else {
             return Err(Error::missing("frame of a region in image", "--image FRAME, or a region in fk5 or icrs"));
         };
-        super::identify_frame::directions(frame, self.hdu, pixels)
+        super::identify_frame::region(frame, self.hdu, pixels)
     }
 }

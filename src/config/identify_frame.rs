@@ -7,8 +7,7 @@ use hifitime::Epoch;
 use super::error::request;
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
-use crate::geometry::Site;
-use crate::images::{ExposureTime, FrameFile, FrameImages, Header, PixelPosition, Wcs, site_from_headers};
+use crate::images::{ExposureTime, FrameFile, FrameImages, Header, HeaderSite, PixelPosition, Wcs, site_from_headers};
 
 /// Parses pixel coordinates such as `1024.5,2048`, counted from 1.
 pub(super) fn pixel(text: &str) -> Result<PixelPosition, Error> {
@@ -87,6 +86,44 @@ pub(super) fn ends(
     Ok(([first, last], first.separation_rad(&last).to_degrees() * 3600.0 / length_pix))
 }
 
+/// Returns the sky positions of the corners or ends of the part of a region in the frame.
+///
+/// # Errors
+/// The region is outside of the frame, or has no position on the sky.
+pub(super) fn region(
+    path: &Path,
+    hdu: Option<usize>,
+    corners: &[PixelPosition],
+) -> Result<Vec<Direction<Gcrs>>, Error> {
+    if let [from, to] = corners {
+        return directions(path, hdu, &clipped(path, hdu, [*from, *to])?);
+    }
+    let (file, number) = image(path, hdu)?;
+    let [rows, columns] = file.image_size(number)?;
+    let mut part = corners.to_vec();
+    // One edge of the frame after the other (Sutherland and Hodgman 1974). Distances are positive inside.
+    let (right, top) = (columns as f64 - 0.5, rows as f64 - 0.5);
+    let edges: [&dyn Fn(&PixelPosition) -> f64; 4] =
+        [&|at| at.x + 0.5, &|at| right - at.x, &|at| at.y + 0.5, &|at| top - at.y];
+    for distance in edges {
+        let sides = part.iter().zip(part.iter().cycle().skip(1));
+        part = sides
+            .flat_map(|(from, to)| {
+                let [here, there] = [from, to].map(distance);
+                let share = here / (here - there);
+                let crossing =
+                    PixelPosition { x: from.x + share * (to.x - from.x), y: from.y + share * (to.y - from.y) };
+                let start = (here >= 0.0).then_some(*from);
+                start.into_iter().chain(((here < 0.0) != (there < 0.0)).then_some(crossing))
+            })
+            .collect();
+    }
+    let within = |at: PixelPosition| PixelPosition { x: at.x.clamp(-0.5, right), y: at.y.clamp(-0.5, top) };
+    let part: Vec<PixelPosition> = part.into_iter().map(within).collect();
+    // A region outside of the frame is an error of its first corner.
+    directions(path, hdu, if part.is_empty() { &corners[..1] } else { &part })
+}
+
 /// Returns the sky positions of pixels.
 pub(super) fn directions(
     path: &Path,
@@ -134,7 +171,7 @@ pub(super) fn exposure(
 }
 
 /// Returns the site in the header of a frame; `None` if it has none.
-pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<Site>, Error> {
+pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<HeaderSite>, Error> {
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
     site_from_headers(&headers).map_err(|error| error.in_file("", path))

@@ -88,8 +88,10 @@ fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Confi
     }
     match &opened.sites()?[..] {
         sites @ ([] | [_]) => config.at_site_of_header(sites.first(), "the frames"),
-        [first, second, ..] => Err(request(format!("the frames are from two sites ({}, {})", first.name, second.name))
-            .allowing("frames of one site")),
+        [first, second, ..] => {
+            Err(request(format!("the frames are from two sites ({}, {})", first.site.name, second.site.name))
+                .allowing("frames of one site"))
+        }
     }
 }
 

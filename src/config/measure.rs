@@ -215,7 +215,7 @@ impl MeasureConfig {
                     &mut warnings,
                 );
             }
-            remarks.extend(frame.time_remarks.iter().map(|remark| format!("{shown}: {remark}")));
+            remarks.extend(frame.header_remarks.iter().map(|remark| format!("{shown}: {remark}")));
             remarks.extend(measured.remarks.iter().map(|remark| format!("{shown}: {remark}")));
             let used = &measured.planes_used;
             if let Some(summary) = frame.images.summary() {

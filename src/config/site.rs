@@ -13,7 +13,7 @@ use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Orientation};
 use crate::geometry::{EarthLimb, Observer, PointingLimits, Site};
 #[cfg(all(feature = "fits", unix))]
-use crate::images::SITE_KEYWORDS;
+use crate::images::{HeaderSite, SITE_KEYWORDS};
 use crate::passes::{OrbitingObserver, Viewpoint};
 
 impl Config {
@@ -140,8 +140,12 @@ impl Config {
     /// # Errors
     /// There is no site.
     #[cfg(all(feature = "fits", unix))]
-    pub(super) fn at_site_of_header(&self, site: Option<&Site>, frames: &str) -> Result<(Self, Option<String>), Error> {
-        let Some(site) = site else {
+    pub(super) fn at_site_of_header(
+        &self,
+        found: Option<&HeaderSite>,
+        frames: &str,
+    ) -> Result<(Self, Option<String>), Error> {
+        let Some(HeaderSite { site, remark }) = found else {
             if !self.has_viewpoint() {
                 let flags = SITE.flags();
                 return Err(Error::missing(
@@ -175,7 +179,8 @@ impl Config {
             limb_height_km: None,
             ..self.clone().without_limits()
         };
-        Ok((config, Some(format!("site {} ({what}) from the header", site.name))))
+        let sense = remark.as_ref().map(|remark| format!("; {remark}")).unwrap_or_default();
+        Ok((config, Some(format!("site {} ({what}) from the header{sense}", site.name))))
     }
 
     /// Returns the designator of a wanted number in the element sets of the satellites, if it is among several objects

@@ -63,9 +63,9 @@ pub use wcs::Wcs;
 pub use self::{
     card::{Card, CardValue},
     detector::{Bleeding, Detector, Quantisation, ReadoutCorner, Saturated, Saturation},
-    exposure::{Calibration, CountBasis, ExposureTime, PixelUnit, SITE_KEYWORDS, site_from_headers},
+    exposure::{Calibration, CountBasis, ExposureTime, HeaderSite, PixelUnit, SITE_KEYWORDS, site_from_headers},
     magnitude_limit::MagnitudeLimit,
-    regions::{Outline, parse_regions},
+    regions::{OUTLINES, Outline, parse_regions},
     streak_cost::{PossibleStreak, StreakCost},
 };
 #[cfg(all(feature = "fits", unix))]

@@ -17,7 +17,10 @@ const SKY_SYSTEMS: [&str; 3] = ["fk5", "j2000", "icrs"];
 /// Coordinate systems of DS9 that are recognised but not supported.
 const OTHER_SYSTEMS: [&str; 10] =
     ["physical", "linear", "amplifier", "detector", "fk4", "b1950", "galactic", "ecliptic", "wcs", "wcsa"];
-const ALLOWED: &str = "allowed: polygon, box, line and vector in fk5, icrs or image";
+/// Shapes that a caller uses, for errors: regions around a streak, and streaks.
+pub const OUTLINES: &str = "polygon, box, line and vector";
+#[cfg(all(feature = "fits", unix))]
+pub(super) const STREAKS: &str = "line, vector, segment and projection";
 /// Shapes that DS9 writes as comments.
 const COMMENTED: [&str; 3] = ["vector", "projection", "segment"];
 
@@ -55,11 +58,12 @@ pub(super) fn is_region_system(text: &str) -> bool {
     name == "image" || SKY_SYSTEMS.contains(&name.as_str()) || OTHER_SYSTEMS.contains(&name.as_str())
 }
 
-/// Parses a region file; `path` is its name in errors.
+/// Parses a region file; `path` is its name in errors, and `shapes` ([`OUTLINES`] or [`STREAKS`]) are those that they name.
 ///
 /// # Errors
 /// A line has another coordinate system or shape, or invalid numbers.
-pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Region>, Error> {
+pub fn parse_regions(path: &str, text: &str, shapes: &str) -> Result<Vec<Region>, Error> {
+    let allowed = format!("allowed: {shapes} in fk5, icrs or image");
     let mut regions = Vec::new();
     let mut system: Option<Result<System, String>> = None;
     for (number, line) in text.lines().enumerate() {
@@ -83,12 +87,12 @@ pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Region>, Error> {
                 Some(Ok(known)) => *known,
                 Some(Err(other)) => {
                     return Err(fail(format!(
-                        "unsupported coordinate system {other}; {ALLOWED} (in DS9, save the regions as fk5 in degrees)"
+                        "unsupported coordinate system {other}; {allowed} (in DS9, save the regions as fk5 in degrees)"
                     )));
                 }
-                None => return Err(fail(format!("'{statement}' has no preceding coordinate system; {ALLOWED}"))),
+                None => return Err(fail(format!("'{statement}' has no preceding coordinate system; {allowed}"))),
             };
-            let outline = outline(statement, system).map_err(fail)?;
+            let outline = outline(statement, system, &allowed).map_err(fail)?;
             regions.push(Region { line: number + 1, name: name_of(line).to_owned(), outline });
         }
     }
@@ -120,7 +124,7 @@ fn is_shape(text: &str, name: &str) -> bool {
 }
 
 /// Returns the corners or ends of a shape.
-fn outline(statement: &str, system: System) -> Result<Outline, String> {
+fn outline(statement: &str, system: System, allowed: &str) -> Result<Outline, String> {
     let shape_end = statement.find(|mark: char| mark == '(' || mark.is_whitespace()).unwrap_or(statement.len());
     let (shape, rest) = statement.split_at(shape_end);
     let inside = rest.trim().trim_start_matches('(');
@@ -129,21 +133,24 @@ fn outline(statement: &str, system: System) -> Result<Outline, String> {
         inside.split(|mark: char| mark == ',' || mark.is_whitespace()).filter(|number| !number.is_empty()).collect();
     let shape = shape.trim_start_matches('+').to_ascii_lowercase();
     match system {
-        System::Image => corners(&shape, &numbers, pixel, length_pix, moved_pix).map(Outline::Pixels),
-        System::Sky => corners(&shape, &numbers, position, size_rad, moved).map(Outline::Sky),
-    }
+        System::Image => {
+            corners(&shape, &numbers, pixel, length_pix, moved_pix).map(|corners| corners.map(Outline::Pixels))
+        }
+        System::Sky => corners(&shape, &numbers, position, size_rad, moved).map(|corners| corners.map(Outline::Sky)),
+    }?
+    .ok_or_else(|| format!("unsupported shape '{shape}'; {allowed}"))
 }
 
-/// Returns the corners or ends of a shape in a coordinate system, which `position`, `size` and `moved` define.
+/// Returns the corners or ends of a shape, `None` for an unknown one, in a coordinate system, which `position`, `size` and `moved` define.
 fn corners<P>(
     shape: &str,
     numbers: &[&str],
     position: fn(&str, &str) -> Result<P, String>,
     size: fn(&str) -> Result<f64, String>,
     moved: fn(&P, f64, f64) -> P,
-) -> Result<Vec<P>, String> {
+) -> Result<Option<Vec<P>>, String> {
     let wrong_count = |count: &str| format!("{shape} has {} numbers; allowed: {count}", numbers.len());
-    match shape {
+    let corners = match shape {
         "polygon" if numbers.len() >= 4 && numbers.len().is_multiple_of(2) => {
             numbers.chunks(2).map(|pair| position(pair[0], pair[1])).collect()
         }
@@ -168,8 +175,9 @@ fn corners<P>(
             Ok(corners.map(|(x, y)| moved(&centre, x * cos - y * sin, x * sin + y * cos)).into())
         }
         "box" => Err(wrong_count("4 or 5: a position, a width, a height, and an angle")),
-        other => Err(format!("unsupported shape '{other}'; {ALLOWED}")),
-    }
+        _ => return Ok(None),
+    };
+    corners.map(Some)
 }
 
 fn pixel(x: &str, y: &str) -> Result<PixelPosition, String> {
@@ -230,7 +238,7 @@ mod tests {
 
     /// Returns the corners of regions on the sky.
     fn on_sky(text: &str) -> Vec<Vec<Direction<Gcrs>>> {
-        let regions = parse_regions("a.reg", text).unwrap().into_iter();
+        let regions = parse_regions("a.reg", text, OUTLINES).unwrap().into_iter();
         let corners = regions.map(|region| match region.outline {
             Outline::Sky(corners) => corners,
             Outline::Pixels(corners) => panic!("{corners:?}"),
@@ -268,13 +276,13 @@ mod tests {
         let outlines = on_sky(&text);
         assert_eq!(outlines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2]);
         assert_eq!(outlines[0], on_sky(&format!("{HEAD}vector(232,9,60\",90)"))[0]);
-        let message = parse_regions("a.reg", &format!("{HEAD}# vector(232,9)\n")).unwrap_err().to_string();
+        let message = parse_regions("a.reg", &format!("{HEAD}# vector(232,9)\n"), OUTLINES).unwrap_err().to_string();
         assert!(message.starts_with("a.reg: line 4: vector has 2 numbers"), "{message}");
     }
 
     #[test]
     fn unsupported_statements_are_reported_with_their_line() {
-        let message = |body: &str| parse_regions("a.reg", &format!("{HEAD}{body}")).unwrap_err().to_string();
+        let message = |body: &str| parse_regions("a.reg", &format!("{HEAD}{body}"), OUTLINES).unwrap_err().to_string();
         assert!(message("circle(1,2,3\")").starts_with("a.reg: line 4: unsupported shape 'circle'"));
         assert!(message("polygon(1,2,3)").contains("polygon has 3 numbers"));
         assert!(message("line(400,2,3,4)").contains("\"400\" is not a right ascension"));
@@ -285,7 +293,7 @@ mod tests {
         assert!(message("image\nline(1,2,3,x)").contains("invalid pixel 'x'"));
         assert!(message("image\nvector(1,2,3\",4)").contains("invalid size '3\"'; allowed: a number of pixels"));
         assert!(message("-line(1,2,3,4)").contains("unsupported shape '-line'"));
-        let bare = parse_regions("a.reg", "line(1,2,3,4)").unwrap_err().to_string();
+        let bare = parse_regions("a.reg", "line(1,2,3,4)", OUTLINES).unwrap_err().to_string();
         assert!(bare.contains("has no preceding coordinate system"), "{bare}");
     }
 
@@ -296,7 +304,7 @@ mod tests {
             "{HEAD}image;line(1,2,3.5,4) # text={{a;b #3}}\n# vector(10,20,5,90) vector=1 text='two'\n\
              icrs\nline(10,20,11,21)\nimage\nbox(5,5,4,2,90)\n"
         );
-        let regions = parse_regions("a.reg", &text).unwrap();
+        let regions = parse_regions("a.reg", &text, OUTLINES).unwrap();
         let of = |region: &Region| (region.line, region.name.clone());
         let expected = [(4, "a;b #3"), (5, "two"), (7, ""), (9, "")].map(|(line, name)| (line, name.to_owned()));
         assert_eq!(regions.iter().map(of).collect::<Vec<_>>(), expected);

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::fits::{BinaryCells, BinaryColumn, FrameFile, HduKind};
-use super::regions::{Outline, Region, is_region_system, parse_regions};
+use super::regions::{Outline, Region, STREAKS, is_region_system, parse_regions};
 use crate::error::Error;
 use crate::input::{self, Column, TableRows};
 
@@ -78,7 +78,7 @@ fn is_ds9(text: &str) -> bool {
 
 /// Converts regions: each row has its ends in pixels or on the sky.
 fn ds9(path: &Path, text: &str) -> Result<String, Error> {
-    let regions = parse_regions(&path.display().to_string(), text)?;
+    let regions = parse_regions(&path.display().to_string(), text, STREAKS)?;
     let in_pixels = |region: &Region| matches!(region.outline, Outline::Pixels(_));
     let (has_pixels, has_sky) = (regions.iter().any(in_pixels), !regions.iter().all(in_pixels));
     let mut rows = Vec::new();
@@ -92,7 +92,7 @@ fn ds9(path: &Path, text: &str) -> Result<String, Error> {
         };
         let &[[a, b], [c, d]] = &ends[..] else {
             let given = format!("a shape with {} corners", ends.len());
-            let allowed = "line, vector, segment or projection, which have two ends";
+            let allowed = format!("{STREAKS}, which have two ends");
             return Err(Error::invalid("region", given, allowed).in_line("", path, region.line));
         };
         // In a file with pixels and sky, the columns of the other system are empty.
@@ -346,7 +346,7 @@ mod tests {
         assert!(ends.iter().zip(expected).all(|(end, expected)| (end - expected).abs() < 1e-4), "{ends:?}");
         for (text, line, problem) in [
             ("image\ncircle(1,2,3)\n", 4, "unsupported shape 'circle'"),
-            ("image\nbox(1,2,3,4)\n", 4, "a shape with 4 corners; allowed: line, vector, segment or projection"),
+            ("image\nbox(1,2,3,4)\n", 4, "a shape with 4 corners; allowed: line, vector, segment and projection"),
             ("line(1,2,3,4)\n", 3, "has no preceding coordinate system"),
             ("physical\nline(1,2,3,4)\n", 4, "unsupported coordinate system physical"),
         ] {

@@ -276,7 +276,7 @@ mod tests {
         for (name, cards, bad, good) in [
             ("DQ", "TELESCOP= 'HST'\nINSTRUME= 'WFC3'\n", 16u64 | 8192, 64u64 | 8192 | 16384),
             ("DQ", "TELESCOP= 'HST     '\nINSTRUME= 'ACS'\n", 256, 32 | 4096),
-            // The bit of a pixel of NIRISS without a flat field, 2³¹, and DO_NOT_USE.
+            // REFERENCE_PIXEL, 2³¹, with DO_NOT_USE and with JUMP_DET.
             ("DQ", "TELESCOP= 'JWST'\n", 1 | 1 << 31, 4 | 1 << 31),
             ("MSK", "INSTRUME= 'DECam'\n", 512, 16 | 1024),
             ("MASK", "INSTRUME= 'ZTF/MOSAIC'\n", 1 << 8, 1 | 2),

@@ -7,7 +7,8 @@ use crate::common::cli::{done, path, published_constellation, run};
 use crate::common::injected::{SKY, unrounded, values};
 use serde_json::Value;
 use streakcast::images::{
-    Card, FrameFile, Header, ImageValues, NewImage, Outline, PixelPosition, Pixels, Wcs, parse_regions, write_frame,
+    Card, FrameFile, Header, ImageValues, NewImage, OUTLINES, Outline, PixelPosition, Pixels, Wcs, parse_regions,
+    write_frame,
 };
 use tempfile::TempDir;
 
@@ -73,7 +74,7 @@ fn verif_injected_streaks_are_masked_in_all_outputs() {
     let document = json(&polygons);
     let corridors = document["corridors"].as_array().unwrap();
     assert!(!corridors.is_empty() && document["provenance"]["options"]["coverage"] == 0.95, "{document}");
-    let outlines = parse_regions("mask.reg", &fs::read_to_string(&regions).unwrap()).unwrap();
+    let outlines = parse_regions("mask.reg", &fs::read_to_string(&regions).unwrap(), OUTLINES).unwrap();
     assert_eq!(outlines.len(), corridors.len());
     // The mask has the coordinates of the frame, and the polygons contain each masked pixel.
     let wcs = Wcs::from_header(&cards).unwrap();

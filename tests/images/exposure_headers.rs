@@ -859,3 +859,43 @@ fn verif_gaps_in_an_exposure_are_stated() {
     let error = time("DATE-OBS= '2026-08-22T03:15:00'\nEXPTIME = 60\nDATE-END= '2026-08-22T03:14:00'").unwrap_err();
     assert!(error.contains("an end after the start") && !error.contains("--exposure -60"), "{error}");
 }
+
+/// Times of devices and observatories whose comments or other cards state what they are.
+#[test]
+fn valid_times_of_devices() {
+    let seestar = |creator: &str| {
+        format!("CREATOR = '{creator}'\nEXPTIME = 10.\nDATE-OBS= '2025-06-05T00:39:21.574249' / Image created time\n")
+    };
+    let found = time(&seestar("ZWO Seestar S50")).unwrap();
+    assert_eq!(found.start_from, "DATE-OBS - the exposure");
+    assert!(
+        found.remarks.iter().any(|remark| remark.contains("read as the end of the exposure")),
+        "{:?}",
+        found.remarks
+    );
+    let error = time(&seestar("ZWO ASIAIR Plus")).unwrap_err();
+    assert!(error.contains("Autorun_Log") && error.contains("--start"), "{error}");
+    assert!(!time(&seestar("Other")).unwrap_err().contains("Autorun_Log"));
+    // Keck's LRIS: the time of writing in UTC, and the start in DATE_BEG of newer frames.
+    let lris = "DATE    = '2026-08-22T03:20:12.5'\nDATE-OBS= '2026-08-22'\nUTC     = '03:20:12.5'\nELAPTIME= 300\n";
+    let found = time(lris).unwrap();
+    let words = "the file was written 0.0 s after it, before the end of the exposure";
+    assert!(found.remarks.iter().any(|remark| remark.contains(words)), "{:?}", found.remarks);
+    begins(&format!("{lris}DATE_BEG= '2026-08-22T03:14:59.1'"), "2026-08-22T03:14:59.1", "DATE_BEG");
+    for stated in ["DATE-OBS= '2026-08-22T03:20:12.5' / start of exposure", "DATE-OBS= '2026-08-22T03:15:00.0'"] {
+        let found = time(&format!("DATE    = '2026-08-22T03:20:12.5'\n{stated}\nEXPTIME = 300")).unwrap();
+        assert_eq!(found.remarks, [""; 0], "{stated}");
+    }
+    // The AAT, and the Mosaic camera of Kitt Peak, whose clocks differ by seconds.
+    begins("UTDATE  = '2014:01:19'\nUTSTART = '11:45:20'\nEXPOSED = 60.0", "2014-01-19T11:45:20", "UTDATE + UTSTART");
+    let mosaic = "DATE-OBS= '2014-09-22T01:35:48.0'\nMJDSTART= 56922.066558066\nEXPTIME = 60\n";
+    assert!(time(mosaic).unwrap_err().contains("2.6 s apart"));
+    let found = time(&format!("{mosaic}TIMESYS = 'UTC approximate'")).unwrap();
+    assert!(found.remarks.iter().any(|remark| remark.contains("2.6 s later")), "{:?}", found.remarks);
+    // DWARF: EXP with a unit.
+    let dwarf = "DATE-OBS= '2023-06-10T21:38:19.442' / Time start to exposure\nEXP     = 15.";
+    assert_eq!(time(&format!("{dwarf} / [s] Sub Exposure Time")).unwrap().duration_s, 15.0);
+    assert!(time(dwarf).is_err());
+    let per_frame = time("DATE-OBS= '2023-06-10T21:38:19'\nEXPTIME = 2.0 / (s/frame)").unwrap();
+    assert!(per_frame.remarks.iter().any(|remark| remark.contains("if it is a stack")), "{:?}", per_frame.remarks);
+}

@@ -55,7 +55,7 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_observed() {
     // satellite.
     let overrides = FrameOverrides { zero_point: Some((30.0, CountBasis::Frame)), ..FrameOverrides::default() };
     let frame = TargetFrame::open(&folder.join(FRAME), &overrides).unwrap();
-    let site = frame.site().unwrap().unwrap();
+    let site = frame.site().unwrap().unwrap().site;
     assert_eq!(site.mpc_code.as_deref(), Some("W84"));
     // Elements 11.5 days old, and 9.5 days old during a manoeuvre: distance of the track from the streak, arcmin, and
     // radius of a field that the track just crosses (it deviates from a great circle by 3" in one degree). The error of

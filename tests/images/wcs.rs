@@ -237,6 +237,7 @@ fn verif_native_pole_by_pv_of_the_longitude_axis() {
     for (cards, lonpole) in [
         ("PV1_3   = 150.0", 150.0),
         ("PV1_3   = 150.0\nLONPOLE = 180.0", 150.0),
+        ("LONGPOLE= 150.0", 150.0),
         ("PV1_1   = 0.0\nPV1_2   = 90.0\nPV1_3   = 10.0", 10.0),
     ] {
         let expected = position(&format!("LONPOLE = {lonpole:.1}"));

@@ -7,7 +7,7 @@ use streakcast::elements::{Keep, ReadOptions, Satellites};
 use streakcast::frames::{Direction, EopTable, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::identify::{Identified, IdentifyOptions, MeasuredStreak, Timing, fit_line, identify_streak};
-use streakcast::images::{Outline, parse_regions};
+use streakcast::images::{OUTLINES, Outline, parse_regions};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 
@@ -61,7 +61,7 @@ fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
         let number: usize = file.split('-').nth(1).unwrap().parse().unwrap();
         numbers.insert(number);
         let (name, passage) = rows[number];
-        let regions = parse_regions(file, &std::fs::read_to_string(path).unwrap()).unwrap().into_iter();
+        let regions = parse_regions(file, &std::fs::read_to_string(path).unwrap(), OUTLINES).unwrap().into_iter();
         let outlines = regions.map(|region| match region.outline {
             Outline::Sky(corners) => corners,
             Outline::Pixels(corners) => panic!("{file}: {corners:?}"),

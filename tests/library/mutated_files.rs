@@ -9,7 +9,7 @@ use std::path::Path;
 use streakcast::config::Config;
 use streakcast::elements::{Constellation, Generation, ReadOptions, Satellites};
 use streakcast::frames::EopTable;
-use streakcast::images::{Detector, ExposureTime, Header, PixelPosition, Telescope, Wcs, parse_regions};
+use streakcast::images::{Detector, ExposureTime, Header, OUTLINES, PixelPosition, Telescope, Wcs, parse_regions};
 use streakcast::learn::read_delays;
 use streakcast::passes::{Field, LearnedFile, LearnedKind, LearnedLateness};
 use streakcast::photometry::{BrightnessModel, StandardMagnitudes};
@@ -167,7 +167,7 @@ fn headers_and_regions() {
     reader("world coordinates", files("tests/data/wcs"), of_text(read)).check();
     let regions =
         b"# Region file format: DS9\nfk5\nline(10.1,20.2,10.3,20.4) # text={s}\nbox 232 9 20\" 2\' 30\n".to_vec();
-    reader("regions", vec![regions], of_text(|text| parse_regions("t", text))).check();
+    reader("regions", vec![regions], of_text(|text| parse_regions("t", text, OUTLINES))).check();
 }
 
 #[test]

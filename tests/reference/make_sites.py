@@ -27,13 +27,13 @@ SITES = [
     ("I33", "SOAR", "Southern Astrophysical Research Telescope|SOAR telescope|SOAR 4.1m", None),
     ("309", "Paranal", "Cerro Paranal|Paranal Observatory|VLT|Very Large Telescope|Paranal Observatory (ESO)|ESO-VLT-U1|ESO-VLT-U2|ESO-VLT-U3|ESO-VLT-U4", None),
     ("W91", "VISTA", "VHS VISTA", None),
-    ("X11", "VST", "VLT Survey Telescope", None),
+    ("X11", "VST", "VLT Survey Telescope|ESO-VST", None),
     ("W75", "SPECULOOS South", "", None),
     ("I09", "Cerro Armazones Observatory", "OCA|Observatorio Cerro Armazones", None),
     ("", "ELT", "Extremely Large Telescope|Cerro Armazones|Armazones", (-24.589, -70.192, 3046)),  # ESO
     ("809", "La Silla", "ESO La Silla|La Silla Observatory|La Silla Observatory (ESO)|lasilla|NTT|ESO-NTT|MPI-2.2|ESO-3.6", None),
     ("I40", "TRAPPIST South", "TRAPPIST", None),
-    ("X17", "BlackGEM", "", None),
+    ("X17", "BlackGEM", "BG2|BG3|BG4", None),
     ("W74", "Danish Telescope", "Danish 1.54 m", None),
     ("W57", "ESA TBT La Silla", "Test-Bed Telescope 2", None),
     ("304", "Las Campanas", "Las Campanas Observatory|Magellan|OGLE|LCO|Swope|DUP|du Pont|Baade|Clay|Baade_Mag_1|Clay_Mag_2", None),
@@ -141,7 +141,7 @@ SITES = [
     ("", "Greenwich", "Royal Observatory Greenwich", (51.477811, -0.001475, 46)),  # Ordnance Survey, by astropy
     # Turkey, Near East, Russia, Central Asia
     ("A84", "TUBITAK National Observatory", "TUG|Bakirlitepe|Antalya", None),
-    ("097", "Wise Observatory", "Wise|Mitzpe Ramon", None),
+    ("097", "Wise Observatory", "Wise|Mitzpe Ramon|TLV|LCOGT TLV|LCOGT node at Wise Observatory", None),
     ("095", "Crimea Nauchny", "CrAO|Nauchny", None),
     ("B18", "Terskol", "Peak Terskol", None),
     ("115", "Zelenchukskaya", "SAO RAS|BTA|MMT-9|Mini-MegaTORTORA", (43.649861, 41.431472, 2030)),  # position of MMT-9, Karpov et al. 2016
@@ -170,7 +170,7 @@ SITES = [
     ("B31", "SALT", "Southern African Large Telescope", (-32.375823, 20.810808, 1798)),  # SALT, by astropy
     ("K94", "Sutherland", "SAAO|South African Astronomical Observatory", None),
     ("M22", "ATLAS South Africa", "ATLAS Sutherland|ATLAS-STH", None),
-    ("L66", "MeerLICHT", "", (-32.379900, 20.811220, 1798)),  # MPC position; its height is 80 m above the plateau
+    ("L66", "MeerLICHT", "ML1", (-32.379900, 20.811220, 1798)),  # MPC position; its height is 80 m above the plateau
     ("K91", "LCO Sutherland", "CPT|LCOGT CPT|LCOGT node at SAAO", None),
     ("074", "Boyden", "Boyden Observatory|Bloemfontein", None),
     ("221", "Hakos", "IAS Observatory", None),

@@ -32,6 +32,21 @@ pub struct ZeroPoint {
     pub basis: Option<CountBasis>,
     /// The keyword that gave the zero point.
     pub keyword: String,
+    /// True if only the usual meaning of the keyword determines the kind of counts.
+    pub is_basis_assumed: bool,
+}
+
+#[cfg(all(feature = "fits", unix))]
+impl ZeroPoint {
+    /// Returns a sentence that states the kind of counts, if only the usual meaning of the keyword determines it.
+    pub(crate) fn assumption(&self) -> Option<String> {
+        let (mag, keyword) = (self.mag, &self.keyword);
+        let (counts, others) = match self.basis? {
+            CountBasis::Second => ("counts per second", format!("the whole exposure specify --zero-point {mag}")),
+            CountBasis::Frame => ("counts of the frame", format!("counts per second specify --zero-point-1s {mag}")),
+        };
+        self.is_basis_assumed.then(|| format!("{keyword} {mag} is read as the zero point of {counts}; for {others}"))
+    }
 }
 
 /// Unit of the pixels of a frame.
@@ -283,14 +298,16 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
 }
 
 fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
+    let of_frame =
+        |mag: f64, keyword: String| ZeroPoint { mag, basis: Some(CountBasis::Frame), keyword, is_basis_assumed: false };
     let unit =
         keywords.text(&["BUNIT"]).map(|(_, unit)| unit.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
     if unit == "nanomaggy" || unit == "nanomaggies" || unit == "nmgy" {
-        return Some(ZeroPoint { mag: NANOMAGGY_MAG, basis: Some(CountBasis::Frame), keyword: "BUNIT".to_owned() });
+        return Some(of_frame(NANOMAGGY_MAG, "BUNIT".to_owned()));
     }
     // The LSST pipelines write the counts of a source of magnitude 0 instead of a zero point.
     if let Some((keyword, flux, _)) = keywords.number(&["FLUXMAG0"], |flux| flux > 0.0) {
-        return Some(ZeroPoint { mag: 2.5 * flux.log10(), basis: Some(CountBasis::Frame), keyword });
+        return Some(of_frame(2.5 * flux.log10(), keyword));
     }
     let is_magnitude = |number: f64| number != 0.0 && number.is_finite() && number.abs() < 60.0;
     ZERO_POINTS.iter().find_map(|(name, usual)| {
@@ -302,6 +319,6 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         // time.
         let is_rate = parsed_unit(&unit).1;
         let basis = if is_rate { Some(CountBasis::Frame) } else { stated.or(*usual) };
-        Some(ZeroPoint { mag, basis, keyword })
+        Some(ZeroPoint { mag, basis, keyword, is_basis_assumed: !is_rate && stated.is_none() && usual.is_some() })
     })
 }

@@ -11,7 +11,7 @@ use super::super::header::Header;
 use super::comment::{Comment, Role};
 use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, NAMED_STARTS, unreadable};
 use super::length::{Length, REMARKS, STATED_S, length};
-use super::moment::{Keywords, is_spelling};
+use super::moment::{DateText, Keywords, is_spelling, parse_date};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 
 /// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
@@ -25,7 +25,8 @@ const SHIFT_SLACK: f64 = 0.1;
 const LOOSE_END_S: f64 = 60.0;
 /// Part of the exposure time up to which a readout may be included in the end (48 s after 300 s at MegaCam of the CFHT).
 const READOUT_SHARE: f64 = 0.25;
-/// Time by which a clock of the telescope may be before the start, seconds.
+/// Time by which a clock of the telescope may be before the start, and by which times may differ where TIMESYS calls them
+/// approximate, seconds.
 const LOOSE_START_S: f64 = 10.0;
 
 /// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
@@ -223,6 +224,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     if let Some(error) = same_as_local(keywords, &instants, &first) {
         return Err(error);
     }
+    let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
     for other in instants.found.iter().filter(|other| other.role != Role::End) {
         // A clock of the telescope is read some seconds before the shutter opens (ESO), that of the camera perhaps after
         // the exposure. Days may be cut off to the digit before.
@@ -231,7 +233,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         // UT of Subaru is that of the start, with the comment "typical UTC at the exposure (middle".
         let is_read_early = other.is_loose && other.role == Role::Middle && states_start(keywords, &first);
         let early_s = early_s + if is_read_early { duration_s / 2.0 } else { 0.0 };
-        let late_s = if other.is_loose { LOOSE_END_S + duration_s } else { 0.0 };
+        let late_s = if other.is_loose || other.is_loose_clock { LOOSE_END_S + duration_s } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
             0.0
@@ -240,7 +242,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         };
         let difference_s = seconds_between(first.epoch, other_start.epoch);
         let digits_s = first.slack_s + other.slack_s;
-        let slack_s = START_SLACK_S + digits_s + shift_s;
+        let clock_s = if approximate.is_some() { LOOSE_START_S } else { 0.0 };
+        let slack_s = START_SLACK_S + digits_s + shift_s + clock_s;
         if !(-slack_s - early_s..=slack_s + late_s).contains(&difference_s) {
             let scale = scale(keywords)?.0;
             let [first_start, second_start] =
@@ -254,7 +257,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
                 "one start; specify --start",
             ));
         }
-        let least_s = if difference_s < 0.0 { START_SLACK_S } else { STATED_S };
+        let least_s = if difference_s < 0.0 || approximate.is_some() { START_SLACK_S } else { STATED_S };
         if difference_s.abs() > least_s + digits_s + if other.is_loose { other.slack_s } else { 0.0 } {
             let side = if difference_s > 0.0 { "later" } else { "earlier" };
             remarks.push(format!(
@@ -269,8 +272,14 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let from = &first.from;
         remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
-    let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
+    let created = instants.created.take().filter(|(from, _)| first.from.starts_with(from)).map(|(from, text)| {
+        format!(
+            "{from} is read as the end of the exposure, at which this camera creates its images (comment {text:?}), without the \
+             time for readout; for another start specify --start"
+        )
+    });
     if approximate.is_none()
+        && created.is_none()
         && let Some(comment) = comments_of(keywords, &first).into_iter().find(Comment::is_doubtful)
     {
         remarks.push(format!(
@@ -279,6 +288,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             comment.text()
         ));
     }
+    remarks.extend(created);
+    remarks.extend(written_early(keywords, &first, duration_s));
     remarks.extend(about_times(keywords, &first));
     remarks.extend(other_parts(&instants, &first, duration_s));
     remarks.extend(zone(keywords, &instants, &first));
@@ -338,7 +349,7 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
     };
     let clock_s = seconds_of_day(start.epoch);
     let (name, _) = instants.local_clocks.iter().find(|(_, local_s)| (local_s - clock_s).abs() < START_SLACK_S)?;
-    let longitude_deg = site_from_headers(keywords.0).ok().flatten().map(|site| site.longitude_rad.to_degrees());
+    let longitude_deg = site_from_headers(keywords.0).ok().flatten().map(|found| found.site.longitude_rad.to_degrees());
     let longitude_deg = longitude_deg.or_else(|| longitude_of_unknown_sense_deg(keywords));
     let is_zero_zone = keywords.number(&["TIMEZONE", "TIME-ZONE"], |_| true).map(|(_, hours, _)| hours == 0.0);
     // Without zone and longitude, a header that states UTC is believed: the clock of the computer was in UTC.
@@ -369,6 +380,24 @@ fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
     let is_named = |name: &str| NAMED_STARTS.iter().any(|known| is_spelling(known, name));
     let is_stated = |comment: &Comment| matches!(comment.role(None), Ok(Some(Role::Start)));
     start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
+}
+
+/// Returns a sentence about a file that was written before the end of the exposure, if nothing states that the start is the
+/// start: its time may be that of the end, as UTC in headers of Keck's LRIS.
+fn written_early(keywords: Keywords<'_>, start: &Start, duration_s: f64) -> Option<String> {
+    let (name, text, _) = keywords.text_and_comment("DATE")?;
+    let DateText::Moment(written) = parse_date(&text, TimeScale::UTC) else { return None };
+    let late_s = seconds_between(start.epoch, written);
+    let latest_s = (1.0 - SHIFT_SLACK) * duration_s - START_SLACK_S - start.slack_s;
+    let is_early = (-START_SLACK_S - start.slack_s..latest_s).contains(&late_s);
+    (is_early && !start.from.contains(" - ") && !states_start(keywords, start)).then(|| {
+        format!(
+            "the start is that of {}, but the file was written {:.1} s after it, before the end of the exposure ({name}): if it \
+             is the time of the end, specify --start",
+            start.from,
+            late_s.max(0.0)
+        )
+    })
 }
 
 /// Returns a sentence about the first card that states an error of the times of the header, or in which part of the

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
 use super::super::card::CardValue;
-use super::comment::{Comment, Role};
+use super::comment::{AFTER_EXPOSURE, Comment, Role};
 use super::moment::{DateText, Keywords, at, bare, is_spelling, parse_date, parse_time, resolution, without_offset};
 
 /// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
@@ -102,6 +102,14 @@ const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"]
 /// Keywords of local times.
 const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "LT"];
 
+/// Keywords of devices, and a device that writes the time of the creation of an image, at the end of the exposure, as
+/// DATE-OBS (so read by the Seestar Photometry Stack for Siril, <https://gitlab.com/Aquarius58/siril-seestar-stack>), in
+/// lower case. The ASIAIR has the same comment, but nothing is published about its time.
+const DEVICES: &[&str] = &["CREATOR", "INSTRUME", "TELESCOP"];
+const CREATES_AT_END: &str = "seestar";
+const WITH_LOG: &str = "asiair";
+const CREATED: &str = "created creation";
+
 /// Rounding error of a time without seconds, seconds.
 const MINUTE_S: f64 = 60.0;
 
@@ -123,6 +131,9 @@ pub struct Instant {
     pub role: Role,
     /// True for keywords that are used only if no other keyword gives the start.
     pub is_loose: bool,
+    /// True for a time in [`LOOSE_TIMES`] beside a date, whose comment does not state the start. It may be later than the
+    /// start in another keyword.
+    pub is_loose_clock: bool,
     /// Beginning of the day of a date in another keyword, and the part of the exposure to which the date belongs by its
     /// comment.
     pub day: Option<(Epoch, Option<Role>)>,
@@ -145,6 +156,8 @@ pub struct Instants {
     local: Vec<Epoch>,
     /// Local times of day, seconds, with their keywords.
     pub local_clocks: Vec<(String, f64)>,
+    /// Keyword and comment of a time of creation that is read as the end of the exposure.
+    pub created: Option<(String, String)>,
 }
 
 impl Instants {
@@ -158,6 +171,12 @@ impl Instants {
         let mut reader = Reader { keywords, scale, is_stated, tried: Vec::new(), instants: Self::default() };
         for keyword in DATES {
             reader.date(keyword)?;
+        }
+        // "UTDATE" of the AAT
+        if DATES.iter().all(|keyword| keywords.find(keyword).is_none()) {
+            for keyword in UNIVERSAL_DATES {
+                reader.date(keyword)?;
+            }
         }
         for keyword in MODIFIED_DATES.iter().chain(JULIAN_DATES) {
             reader.days(keyword, Role::Start, false)?;
@@ -366,9 +385,11 @@ impl Reader<'_> {
                     epochs.ok_or_else(|| unreadable(name.clone(), &value, "a time such as 00:30:00.5"))?;
                 let day = Some((midnight, of_date.role(None).ok().flatten()));
                 // The comment of the time determines the role, and that of the date if it states none.
+                let is_loose_clock = LOOSE_TIMES.contains(keyword) && !states_start(&comment);
                 let comments = [comment, of_date.clone()];
                 let from = format!("{date} + {name}");
-                self.add(Instant { day, slack_s, ..instant(epoch, from, Role::Start) }, &value, &comments);
+                let found = Instant { day, slack_s, is_loose_clock, ..instant(epoch, from, Role::Start) };
+                self.add(found, &value, &comments);
             }
             has_time = true;
             // If the time is unusable, for example local, another keyword may give it.
@@ -495,6 +516,17 @@ impl Reader<'_> {
             };
             of_comment().map(|stated| role.or(stated)).map_err(|problem| (comment, problem))
         });
+        let is_of_device = |device: &str| {
+            let devices = DEVICES.iter().filter_map(|keyword| self.keywords.text(&[keyword]));
+            devices.into_iter().any(|(_, text)| text.to_ascii_lowercase().contains(device))
+        };
+        let role = match role {
+            Err((comment, AFTER_EXPOSURE)) if comment.has(CREATED) && is_of_device(CREATES_AT_END) => {
+                self.instants.created.get_or_insert((instant.from.clone(), comment.text().to_owned()));
+                Ok(Some(Role::End))
+            }
+            role => role,
+        };
         match role {
             Ok(role) => {
                 let is_without_seconds = without_offset(value).0.matches(':').count() == 1;
@@ -515,6 +547,11 @@ impl Reader<'_> {
                 let given = format!("{value:?}, {problem} by its comment {:?}", comment.text());
                 let allowed =
                     "the start of the exposure in UTC, in this or another keyword (DATE-BEG, MJD-OBS, ...), or --start";
+                let is_in_log = problem == AFTER_EXPOSURE && is_of_device(WITH_LOG);
+                let allowed = format!(
+                    "{allowed}{}",
+                    if is_in_log { " (Autorun_Log of the ASIAIR has local times of starts)" } else { "" }
+                );
                 self.instants.unusable.get_or_insert(Error::invalid(instant.from, given, allowed));
             }
         }
@@ -522,7 +559,7 @@ impl Reader<'_> {
 }
 
 fn instant(epoch: Epoch, from: String, role: Role) -> Instant {
-    Instant { epoch, from, value: String::new(), slack_s: 0.0, role, is_loose: false, day: None }
+    Instant { epoch, from, value: String::new(), slack_s: 0.0, role, is_loose: false, is_loose_clock: false, day: None }
 }
 
 fn states_start(comment: &Comment) -> bool {

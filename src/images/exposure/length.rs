@@ -14,8 +14,9 @@ const LENGTHS: &[&str] =
     &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INT-TIME", "ELAPTIME", "SHUTTIME", EXPOINUS];
 /// Exposure time in microseconds (ZWO).
 const EXPOINUS: &str = "EXPOINUS";
-/// Keyword that is used only without the others: ITIME is the requested time, and this one the true one (IRTF).
-const TRUE_TIME: &str = "TRUITIME";
+/// Keywords that are used only without the others: ITIME is the requested time, and TRUITIME the true one (IRTF); EXPOSED
+/// (AAT); and EXP (DWARF) if its comment states a unit, because it may also be a number.
+const LAST_LENGTHS: &[&str] = &["TRUITIME", "EXPOSED", "EXP"];
 /// Keywords of the time of one of several added exposures.
 const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
 
@@ -176,8 +177,11 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
     for keyword in LENGTHS {
         lengths.extend(stated(keywords, keyword)?);
     }
-    if lengths.is_empty() {
-        lengths.extend(stated(keywords, TRUE_TIME)?);
+    for keyword in LAST_LENGTHS {
+        if lengths.is_empty() {
+            let has_unit = |length: &Stated| *keyword != "EXP" || matches!(length.comment.unit_s(), Ok(Some(_)));
+            lengths.extend(stated(keywords, keyword)?.filter(has_unit));
+        }
     }
     let is_per_part = lengths.iter().any(|length| is_of_part(&length.comment));
     let mut parts = parts(keywords, COADDS, is_per_part);
@@ -347,7 +351,12 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error
 /// Returns true if the comment of an exposure time states that it is that of one of several exposures; "per pixel" does
 /// not.
 fn is_of_part(comment: &Comment) -> bool {
-    comment.has(PER_PART) && !comment.has_pair("per", "pixel pix")
+    // "s/frame"
+    let mut divisors =
+        comment.text().split('/').skip(1).map(|rest| rest.split(|c: char| !c.is_ascii_alphabetic()).next());
+    let is_per_frame =
+        divisors.any(|word| word.is_some_and(|word| FRAMES.split(' ').any(|frame| frame == word.to_ascii_lowercase())));
+    is_per_frame || (comment.has(PER_PART) && !comment.has_pair("per", "pixel pix"))
 }
 
 /// Returns true if two exposure times are taken as the same.
@@ -435,11 +444,11 @@ fn parts(keywords: Keywords<'_>, coadds: &[&str], is_per_part: bool) -> Option<P
         let is_letters = steps.chars().all(|letter| "BDFS".contains(letter));
         (is_letters && steps.contains('S')).then(|| (keyword, Comment::new(&steps)))
     };
-    let kind = kind.or_else(steps);
-    if let Some((keyword, kind)) = kind {
-        return Some(Parts { keyword, shown: format!("{:?}", kind.text()), count: 1.0 });
-    }
-    keywords.0.iter().find_map(|header| counted(header, is_per_part))
+    let of_kind = kind.or_else(steps).map(|(keyword, kind)| {
+        let shown = format!("{:?}", kind.text());
+        Parts { keyword, shown, count: 1.0 }
+    });
+    keywords.0.iter().find_map(|header| counted(header, is_per_part)).or(of_kind)
 }
 
 /// Returns true if a name is that of a number of frames or exposures.

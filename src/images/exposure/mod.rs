@@ -14,4 +14,4 @@ mod observatory;
 
 pub use calibration::{Calibration, CountBasis, PixelUnit};
 pub use exposure_time::ExposureTime;
-pub use observatory::{SITE_KEYWORDS, site_from_headers};
+pub use observatory::{HeaderSite, SITE_KEYWORDS, site_from_headers};

@@ -47,7 +47,9 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
         Some((day, time)) => (day, Some(time.trim())),
         None => (text, None),
     };
-    let parts: Vec<&str> = day.split(['-', '/']).collect();
+    // "2026:08:22" (AAT, EXIF)
+    let is_with_colons = day.find(':') == Some(4);
+    let parts: Vec<&str> = day.split(['-', '/']).flat_map(|part| part.split(|c| c == ':' && is_with_colons)).collect();
     let is_number = |part: &&str| !part.is_empty() && part.len() <= 4 && part.bytes().all(|byte| byte.is_ascii_digit());
     if parts.len() != 3 || !parts.iter().all(is_number) {
         return DateText::Unreadable;
@@ -216,7 +218,12 @@ mod tests {
     fn verif_dates() {
         let at = |text: &str| parse_date(text, TimeScale::UTC);
         let expected = DateText::Moment(Epoch::from_gregorian_utc(2020, 3, 6, 0, 4, 15, 410_235_000));
-        for text in ["2020-03-06T00:04:15.410235", " 2020-03-06 00:04:15.410235", "2020/03/06T00:04:15.410235Z"] {
+        for text in [
+            "2020-03-06T00:04:15.410235",
+            " 2020-03-06 00:04:15.410235",
+            "2020/03/06T00:04:15.410235Z",
+            "2020:03:06 00:04:15.410235",
+        ] {
             assert_eq!(at(text), expected, "{text}");
         }
         assert_eq!(at("        2020-12-09"), DateText::Day([2020, 12, 9]));

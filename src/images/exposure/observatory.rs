@@ -9,13 +9,18 @@ use super::moment::Keywords;
 
 /// Position of the observatory, m, in the International Terrestrial Reference Frame (FITS standard 4.0, section 9.2.3).
 const CARTESIAN: [&str; 3] = ["OBSGEO-X", "OBSGEO-Y", "OBSGEO-Z"];
+/// Beginning of these keywords and the following.
+const OBSGEO: &str = "OBSGEO";
 /// Geodetic latitude and longitude, degrees, east positive, and height above the ellipsoid, m.
 const GEODETIC: [&str; 3] = ["OBSGEO-B", "OBSGEO-L", "OBSGEO-H"];
 /// Cameras of one telescope. Other instruments have names of sites elsewhere: FAST is a spectrograph in Arizona, and a
 /// radio telescope in China.
 const CAMERAS: [&str; 6] = ["DECam", "HSC", "Hyper Suprime-Cam", "DESI", "ZTF", "Tomo-e Gozen"];
 /// Keywords with names of sites, in order of precedence.
-const NAMES: [&str; 6] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SITENAME", "SITE"];
+const NAMES: [&str; 7] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SITENAME", "SITE", SITE_CODE];
+/// Keyword of codes such as `coj` (Las Cumbres Observatory). Codes of the Minor Planet Center are not looked up, because
+/// numbers have another meaning in other headers.
+const SITE_CODE: &str = "SITEID";
 /// Keywords of latitude and longitude that do not give the site, because no standard defines the sign and the unit of
 /// the longitude. They must agree with the name of the site in one of the usual senses.
 const LATITUDES: &[&str] =
@@ -43,18 +48,27 @@ const ROUGH_DEG: f64 = 0.5;
 /// Description of the keywords, for errors.
 pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known site in INSTRUME, TELESCOP or OBSERVAT";
 
+/// Site in the headers of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeaderSite {
+    /// The site.
+    pub site: Site,
+    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours.
+    pub remark: Option<String>,
+}
+
 /// Returns the site in the headers of a frame; `None` if they have no site. The headers are given in the order of
 /// precedence: first the header of the image, then the primary header.
 ///
 /// OBSGEO-X, -Y and -Z take precedence over OBSGEO-B, -L and -H. Without these, the site is the first known site among
 /// the names of instrument, telescope and observatory. SITELONG, OBS-LONG and similar keywords do not give the
-/// site, because no standard defines their sign and unit, and both signs are in use; they must not contradict its name.
+/// site, because no standard defines their sign and unit, and both signs are in use; they must not contradict it.
 ///
 /// # Errors
 /// A position that is not on the Earth; names and positions more than 15 km apart; SITELAT, SITELONG, ... of another
 /// place; or a name that fits several
 /// sites, such as ATLAS, without a keyword that decides between them.
-pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
+pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Error> {
     let keywords = Keywords(headers);
     let name = keywords.text(&["TELESCOP", "OBSERVAT"]).map_or("site of the header".to_owned(), |(_, name)| name);
     // Sites with the keywords that give them, in order of precedence.
@@ -84,7 +98,9 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
             continue;
         }
         let shown = format!("{keyword} {text:?}");
-        match Site::candidates(&text).as_slice() {
+        let candidates =
+            if keyword == SITE_CODE { Site::with_key(&text).into_iter().collect() } else { Site::candidates(&text) };
+        match candidates.as_slice() {
             // "CTIO 1.0 meter telescope": the first word must not contradict another name.
             [] => {
                 let word = text.split([' ', ',', '/']).next().unwrap_or_default();
@@ -115,13 +131,14 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
             let allowed = format!("one site within {SAME_SITE_KM} km, or for example --site, --mpc or --lat and --lon");
             Err(Error::invalid(format!("site of {first_from}"), given, allowed))
         }
-        None => match rough_contradiction(keywords, first) {
-            Some(given) => {
-                let allowed = "the coordinates of the named site, or for example --site, --mpc or --lat and --lon";
-                Err(Error::invalid(format!("site of {first_from}"), given, allowed))
-            }
-            None => Ok(Some(first.clone())),
-        },
+        None => {
+            let is_named = stated.iter().any(|(from, _)| !from.starts_with(OBSGEO)) || !networks.is_empty();
+            let remark = compared(keywords, first, is_named).map_err(|given| {
+                let allowed = "the coordinates of this site, or for example --site, --mpc or --lat and --lon";
+                Error::invalid(format!("site of {first_from}"), given, allowed)
+            })?;
+            Ok(Some(HeaderSite { site: first.clone(), remark }))
+        }
     }
 }
 
@@ -163,27 +180,50 @@ pub(super) fn longitude_of_unknown_sense_deg(keywords: Keywords<'_>) -> Option<f
     Some((value + 180.0).rem_euclid(360.0) - 180.0)
 }
 
-/// Returns the keyword and value of a latitude or longitude that is not that of the site in any usual sense: longitudes
-/// to the east or to the west, in degrees or hours. 0 and text without numbers are ignored.
-fn rough_contradiction(keywords: Keywords<'_>, site: &Site) -> Option<String> {
+/// Compares the site with the latitude and the longitude in keywords that no standard defines. Returns a sentence if the
+/// longitude fits only to the west or in hours, and its comment does not say so. Zeros and text without numbers are
+/// ignored.
+///
+/// # Errors
+/// The reason why the latitude or the longitude is that of another place in any usual sense, or in the sense that its
+/// comment states, unless the site has a name (DECam writes 70.81 as "east longitude").
+fn compared(keywords: Keywords<'_>, site: &Site, is_named: bool) -> Result<Option<String>, String> {
     let stated = |names: &[&str]| {
-        let number = keywords.number(names, |value| value != 0.0);
-        number.map(|(keyword, value, _)| (value, format!("{keyword} is {value}"))).or_else(|| {
-            let (keyword, text) = keywords.text(names)?;
-            Some((degrees(&text).filter(|value| *value != 0.0)?, format!("{keyword} is {text:?}")))
+        names.iter().find_map(|name| {
+            let (header, keyword) = keywords.find(name)?;
+            let number = header.number(&keyword);
+            let value = number.or_else(|| degrees(&header.text(&keyword)?)).filter(|value| *value != 0.0)?;
+            let shown = number
+                .map_or_else(|| format!("{:?}", header.text(&keyword).unwrap_or_default()), |_| value.to_string());
+            Some((value, format!("{keyword} is {shown}"), keywords.comment(header, &keyword)))
         })
     };
     let is_far = |a_deg: f64, b_deg: f64| ((a_deg - b_deg + 180.0).rem_euclid(360.0) - 180.0).abs() > ROUGH_DEG;
     let (latitude_deg, longitude_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
     let named = format!("at latitude {latitude_deg:.2} and longitude {longitude_deg:.2} deg");
-    if let Some((value, given)) = stated(LATITUDES)
+    if let Some((value, given, _)) = stated(LATITUDES)
         && is_far(value, latitude_deg)
     {
-        return Some(format!("{named}, but {given}"));
+        return Err(format!("{named}, but {given}"));
     }
-    let (value, given) = stated(LONGITUDES)?;
-    let senses = [value, -value, 15.0 * value, -15.0 * value];
-    senses.iter().all(|sense| is_far(*sense, longitude_deg)).then(|| format!("{named}, but {given}"))
+    let Some((value, given, comment)) = stated(LONGITUDES) else { return Ok(None) };
+    let senses = [
+        (value, ""),
+        (-value, "counted to the west"),
+        (15.0 * value, "in hours"),
+        (-15.0 * value, "in hours, counted to the west"),
+    ];
+    let Some((_, sense)) = senses.iter().find(|(sense_deg, _)| !is_far(*sense_deg, longitude_deg)) else {
+        return Err(format!("{named}, but {given}"));
+    };
+    let (is_east, is_west) = (comment.has("east e"), comment.has("west w"));
+    if sense.is_empty() || (is_west && !is_east) {
+        return Ok(None);
+    }
+    if is_east && !is_west && !is_named {
+        return Err(format!("{named}, but {given} (comment {:?})", comment.text()));
+    }
+    Ok(Some(format!("{given}, which is read as {sense}, as it fits the site (longitude {longitude_deg:.2} deg)")))
 }
 
 /// Parses an angle such as `-30.24`, `-30:14:40`, `30d14m40s` or `30 14 40 S`, degrees.
@@ -201,8 +241,53 @@ fn degrees(text: &str) -> Option<f64> {
 mod tests {
     use super::*;
 
+    fn found(headers: &[&Header]) -> Result<Option<Site>, Error> {
+        site_from_headers(headers).map(|found| found.map(|found| found.site))
+    }
+
     fn site(text: &str) -> Result<Option<Site>, Error> {
-        site_from_headers(&[&Header::from_text(text), &Header::from_text("OBSERVAT= 'CTIO'\n")])
+        found(&[&Header::from_text(text), &Header::from_text("OBSERVAT= 'CTIO'\n")])
+    }
+
+    fn remark(text: &str) -> Result<String, String> {
+        let found = site_from_headers(&[&Header::from_text(text)]).map_err(|error| error.to_string())?;
+        Ok(found.and_then(|found| found.remark).unwrap_or_default())
+    }
+
+    /// Longitudes to the west or in hours beside a position or a name.
+    #[test]
+    fn longitudes_in_other_senses_are_stated() {
+        let position = "OBSGEO-B= 30.0\nOBSGEO-L= -110.0\nOBSGEO-H= 1000.0\n";
+        for (text, expected) in [
+            (format!("{position}LONGITUD= 110.0"), "LONGITUD is 110, which is read as counted to the west"),
+            (
+                format!("{position}SITELONG= '+110 00 00'"),
+                "SITELONG is \"+110 00 00\", which is read as counted to the west",
+            ),
+            ("OBSERVAT= 'Palomar'\nLONGITUD= '07:47:27'".to_owned(), "read as in hours, counted to the west"),
+            ("OBSERVAT= 'CTIO'\nOBS-LONG= 70.81489 / [deg] east longitude".to_owned(), "counted to the west"),
+            (format!("{position}LONGITUD= 110.0 / [deg W]"), ""),
+            (format!("{position}LONGITUD= -110.0"), ""),
+            (format!("{position}LONGITUD= 250.0"), ""),
+        ] {
+            let remark = remark(&text).unwrap();
+            assert!(remark.contains(expected) && remark.is_empty() == expected.is_empty(), "{text}: {remark}");
+        }
+        let error = remark(&format!("{position}LONGITUD= 110.0 / [deg] east positive")).unwrap_err();
+        assert!(error.contains("LONGITUD is 110 (comment"), "{error}");
+    }
+
+    #[test]
+    fn codes_of_las_cumbres_are_sites() {
+        for (code, name) in
+            [("coj", "LCO Siding Spring"), ("tlv", "Wise Observatory"), ("ogg", "Faulkes Telescope North")]
+        {
+            let header = Header::from_text(&format!("TELESCOP= '1m0-09'\nSITEID  = '{code}'\n"));
+            assert_eq!(found(&[&header]).unwrap().unwrap().name, name);
+        }
+        assert_eq!(found(&[&Header::from_text("SITEID  = '703'\n")]).unwrap(), None);
+        let error = site("SITEID  = 'cpt'\n").unwrap_err().to_string();
+        assert!(error.contains("km from that of SITEID"), "{error}");
     }
 
     /// Coordinates of Rubin Observatory in both forms, as in the headers of LSSTCam, where X, Y and Z are given to
@@ -230,10 +315,10 @@ mod tests {
         let decam = "OBS-LONG= 70.81489\nOBS-LAT = -30.16606\nTELESCOP= 'CTIO 4.0-m telescope'\nINSTRUME= 'DECam'\n";
         assert_eq!(site(decam).unwrap().unwrap().mpc_code.as_deref(), Some("W84"));
         let schmidt = "SITELAT = -31.277\nSITELONG= 210.934\nTELESCOP= 'UK Schmidt - Doubl'\n";
-        assert_eq!(site_from_headers(&[&Header::from_text(schmidt)]).unwrap(), None);
+        assert_eq!(found(&[&Header::from_text(schmidt)]).unwrap(), None);
         for (telescope, name) in [("ESO-NTT", "La Silla"), ("ESO-VLT-U4", "Paranal"), ("NASA IRTF", "IRTF")] {
-            let found = site_from_headers(&[&Header::from_text(&format!("TELESCOP= '{telescope}'\n"))]);
-            assert_eq!(found.unwrap().unwrap().name, name);
+            let header = Header::from_text(&format!("TELESCOP= '{telescope}'\n"));
+            assert_eq!(found(&[&header]).unwrap().unwrap().name, name);
         }
         // The primary header names another observatory.
         let error = site(schmidt).unwrap_err().to_string();
@@ -256,7 +341,7 @@ mod tests {
     /// Networks of telescopes at several sites, and keywords that contradict each other.
     #[test]
     fn contradictory_and_ambiguous_sites_are_errors() {
-        let of = |text: &str| site_from_headers(&[&Header::from_text(text)]);
+        let of = |text: &str| found(&[&Header::from_text(text)]);
         let error = |text: &str| of(text).unwrap_err().to_string();
         let atlas = error("TELESCOP= 'ATLAS'\n");
         assert!(atlas.contains("ATLAS Chile") && atlas.contains("--mpc"), "{atlas}");
@@ -308,7 +393,7 @@ mod tests {
     fn units_of_positions_are_read() {
         let of = |latitude: &str, longitude: &str, height: &str| {
             let text = format!("OBSGEO-B= {latitude}\nOBSGEO-L= {longitude}\nOBSGEO-H= {height}\n");
-            site_from_headers(&[&Header::from_text(&text)])
+            found(&[&Header::from_text(&text)])
         };
         for (latitude, longitude, height) in [
             ("0.5235988 / [rad]", "-1.9198622 / [rad]", "1000.0"),
@@ -331,7 +416,7 @@ mod tests {
         let km = Header::from_text(
             "OBSGEO-X= 1818.93894 / [km]\nOBSGEO-Y= -5208.47095 / [km]\nOBSGEO-Z= -3195.17208 / [km]\n",
         );
-        let site = site_from_headers(&[&km]).unwrap().unwrap();
+        let site = found(&[&km]).unwrap().unwrap();
         assert!((site.height_m - 2663.0).abs() < 0.1, "{site:?}");
     }
 }

@@ -238,11 +238,18 @@ impl FrameImages {
             Some((hdu, shape)) => {
                 let axis = if shape[0] < 5 { 1 } else { 3 };
                 let count = shape[axis - 1];
-                let what = if count == 3 || count == 4 { "a colour image" } else { "a cube" };
-                (
-                    format!("0; HDU {hdu} is {what} of {count} planes (NAXIS{axis} = {count})"),
-                    "1 or more images of two axes: extract one plane, for example the green channel, as an image of two axes",
-                )
+                let (what, allowed) = if count == 3 || count == 4 {
+                    (
+                        "a colour image",
+                        "1 or more images of two axes: extract one channel, for example the green one, as an image of two axes",
+                    )
+                } else {
+                    (
+                        "a cube",
+                        "1 or more images of two axes: extract the plane of one exposure as an image of two axes",
+                    )
+                };
+                (format!("0; HDU {hdu} is {what} of {count} planes (NAXIS{axis} = {count})"), allowed)
             }
             None => ("0".to_owned(), "1 or more (masks, weights and tables are ignored)"),
         }

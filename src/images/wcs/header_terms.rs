@@ -139,7 +139,8 @@ impl HeaderTerms {
         let pole = NativePole {
             right_ascension_deg: values[longitude_axis],
             declination_deg,
-            lonpole_deg: native_pole(3).or(header.number("LONPOLE")),
+            // LONGPOLE is the name in drafts of the standard (Subaru, IRAF).
+            lonpole_deg: native_pole(3).or_else(|| header.number("LONPOLE")).or_else(|| header.number("LONGPOLE")),
             latpole_deg: native_pole(4).or(header.number("LATPOLE")),
             is_zenithal: projection.is_zenithal(),
         };

@@ -9,9 +9,9 @@ use super::super::chip::{Chip, circle_of};
 use super::super::count_scale::CountScale;
 use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, Gcrs};
-use crate::geometry::Site;
 use crate::images::{
-    Calibration, CountBasis, ExposureTime, FrameFile, FrameImages, Header, LightArea, PixelUnit, Wcs, site_from_headers,
+    Calibration, CountBasis, ExposureTime, FrameFile, FrameImages, Header, HeaderSite, LightArea, PixelUnit, Wcs,
+    site_from_headers,
 };
 
 /// Values that replace those of a frame's header.
@@ -68,7 +68,7 @@ pub struct TargetFrame {
     /// Filter or band as written in the header.
     pub filter: Option<String>,
     /// Sentences about times in the headers that can be read in two ways ([`ExposureTime::remarks`]).
-    pub time_remarks: Vec<String>,
+    pub header_remarks: Vec<String>,
     /// Reason why the gain in the header is not used; `None` if it is used, overridden or missing.
     pub doubtful_gain: Option<String>,
     /// Bit of each mask plane that a mask in the file names.
@@ -111,13 +111,15 @@ impl TargetFrame {
         }
         let first_headers = headers(first)?;
         let calibration = Calibration::from_headers(&first_headers);
+        let zero_point = calibration.zero_point.filter(|_| overrides.zero_point.is_none());
+        let assumed_zero_point = zero_point.and_then(|zero_point| zero_point.assumption());
         Ok(Self {
             opened,
             exposure_s,
             chips,
             images,
             left_out: left_out.into_iter().map(|(hdu, error)| (hdu, error.to_string())).collect(),
-            time_remarks: exposure.remarks,
+            header_remarks: exposure.remarks.into_iter().chain(assumed_zero_point).collect(),
             doubtful_gain: calibration.doubtful_gain.filter(|_| overrides.gain_e_adu.is_none()),
             filter: calibration.band.map(|band| band.value),
             mask_planes: mask_planes(&file)?,
@@ -129,7 +131,7 @@ impl TargetFrame {
     ///
     /// # Errors
     /// A position that is not on the Earth.
-    pub fn site(&self) -> Result<Option<Site>, Error> {
+    pub fn site(&self) -> Result<Option<HeaderSite>, Error> {
         let first = self.chips.first().map_or(0, |target| target.chip.hdu);
         let headers = [self.file.header(first)?, self.file.header(0)?];
         site_from_headers(&headers).map_err(|error| error.at(self.file.path().display()))
@@ -138,7 +140,12 @@ impl TargetFrame {
     /// Returns remarks about what is read of the file: times that can be read in two ways, and the roles of its images.
     pub fn remarks(&self) -> Vec<String> {
         let shown = self.file.path().display();
-        self.time_remarks.iter().cloned().chain(self.images.summary()).map(|text| format!("{shown}: {text}")).collect()
+        self.header_remarks
+            .iter()
+            .cloned()
+            .chain(self.images.summary())
+            .map(|text| format!("{shown}: {text}"))
+            .collect()
     }
 
     /// Returns the middle of all chips on the sky, and the radius in radians of the circle around it that contains

@@ -18,8 +18,7 @@ use super::lights::{InjectionSky, drawn, has_light, history, sources, state};
 use super::plan::InjectionPlan;
 use crate::error::Error;
 use crate::frames::{Direction, seconds_after};
-use crate::geometry::Site;
-use crate::images::PixelPosition;
+use crate::images::{HeaderSite, PixelPosition};
 use crate::message::{Quoted, listed};
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value, counted};
 use crate::watch::Watch;
@@ -115,10 +114,13 @@ impl<'a> Injection<'a> {
     ///
     /// # Errors
     /// A position that is not on the Earth.
-    pub fn sites(&self) -> Result<Vec<Site>, Error> {
-        let mut sites: Vec<Site> = Vec::new();
+    pub fn sites(&self) -> Result<Vec<HeaderSite>, Error> {
+        let mut sites: Vec<HeaderSite> = Vec::new();
         for frame in self.frames.known() {
-            let is_new = |site: &Site| !sites.iter().any(|known| (known.itrs() - site.itrs()).norm_km() < ONE_SITE_KM);
+            let is_new = |found: &HeaderSite| {
+                let distance_km = |known: &HeaderSite| (known.site.itrs() - found.site.itrs()).norm_km();
+                !sites.iter().any(|known| distance_km(known) < ONE_SITE_KM)
+            };
             sites.extend(frame.site()?.filter(is_new));
         }
         Ok(sites)

@@ -286,8 +286,8 @@ def inject(
         raise ValueError(f"{output} is the input; allowed: another output file")
     or_else = " (or pixel_scale=... for random streaks)" if is_random else ""
     with streak_files(streaks) as tables, as_files([frame], header, needs_header=pixel_scale is None, or_else=or_else) as files:
-        if tables:
-            options["streaks"] = tables[0]
+        if tables.paths:
+            options["streaks"] = tables.paths[0]
         target = os.path.join(files.folder, "injected") if output is None else absolute(output)
         request = json.dumps(_without_none({**options, "image": [*files.paths]}))
         result = _core.inject(request, json.dumps(setup), config, sky_cache, target)

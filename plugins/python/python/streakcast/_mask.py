@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
@@ -167,21 +166,19 @@ class MaskQueries(MeasureQueries):
             request["exposure"] = f"{scalar(exposure, 's', 'exposure')!r}s"
         camera = {"telescope": telescope, "band": band, "min_probability": min_probability}
         tables = measured.table if isinstance(measured, Measurements) else measured
-        with streak_files(cast("StreaksLike | None", tables), "measured") as paths, as_files([frame], header) as files:
+        with streak_files(cast("StreaksLike | None", tables), "measured") as own, as_files([frame], header) as files:
             model = self
-            if paths:
+            if own.paths:
                 # The measured streaks also correct the predictions of the sky.
-                corrected: dict[str, Json] = {**self._state["setup"], "measured": [*paths]}
+                corrected: dict[str, Json] = {**self._state["setup"], "measured": [*own.paths]}
                 model = self._of_state({**self._state, "setup": corrected, "files": None})
             sky_cache, _ = model._open()
             setup = {**model._state["setup"], **document(camera)}
             request["image"] = [*files.paths]
             result = _core.mask(json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache)
-            # The folder of a temporary table.
-            folder = os.path.dirname(paths[0]) + os.sep if paths and os.path.basename(paths[0]) == "measured" else ""
 
         def shown(text: str) -> str:
-            return files.shown(text.replace(folder, ""))
+            return files.shown(own.shown(text))
 
         self._warn_once([shown(message) for message in result["warnings"]])
         return StreakMask(

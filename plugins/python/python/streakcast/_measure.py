@@ -280,7 +280,7 @@ def _measure(
     several = frames_of(frames)
     what = "frame" if len(several) == 1 else "frames"
     with streak_files(streaks) as tables, as_files(several, header, what=what) as files:
-        request["image"], request["streaks"] = [*files.paths], [*tables]
+        request["image"], request["streaks"] = [*files.paths], [*tables.paths]
         result = _core.measure(json.dumps(_without_none(request)), json.dumps(setup), config, sky_cache)
     measured = files.named(result["measurements"])
     columns = arrays_of(measured)

@@ -7,6 +7,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
@@ -17,28 +18,41 @@ from ._setup import absolute
 from .typing import PathLike, StreaksLike
 
 
+@dataclass(frozen=True)
+class StreakFiles:
+    """Files with tables of streaks."""
+
+    paths: list[str]
+    #: Folder of a temporary file with a separator; empty for files of the user.
+    folder: str = ""
+
+    def shown(self, text: str) -> str:
+        """Returns a message without the folder of the temporary file."""
+        return text.replace(self.folder, "") if self.folder else text
+
+
 @contextmanager
-def streak_files(streaks: StreaksLike | Sequence[PathLike] | None, name: str = "streaks") -> Iterator[list[str]]:
+def streak_files(streaks: StreaksLike | Sequence[PathLike] | None, name: str = "streaks") -> Iterator[StreakFiles]:
     """Writes a table that is not a path to a temporary file, which exists inside the context; no file for `None`.
 
     Errors name the table ``name`` instead of the temporary file.
     """
     if streaks is None:
-        yield []
+        yield StreakFiles([])
         return
     if is_path(streaks):
-        yield [absolute(cast("PathLike", streaks))]
+        yield StreakFiles([absolute(cast("PathLike", streaks))])
         return
     if isinstance(streaks, Sequence) and streaks and all(is_path(one) for one in streaks):
-        yield [absolute(cast("PathLike", one)) for one in streaks]
+        yield StreakFiles([absolute(cast("PathLike", one)) for one in streaks])
         return
     with tempfile.TemporaryDirectory(prefix="streakcast-") as folder:
-        path = os.path.join(folder, name)
-        _write(streaks, path)
+        files = StreakFiles([os.path.join(folder, name)], folder + os.sep)
+        _write(streaks, files.paths[0])
         try:
-            yield [path]
+            yield files
         except Exception as error:
-            raise type(error)(str(error).replace(folder + os.sep, "")) from None
+            raise type(error)(files.shown(str(error))) from None
 
 
 def _write(streaks: object, path: str) -> None:

@@ -1,0 +1,137 @@
+//! Local times and time scales in comments.
+
+use hifitime::TimeScale;
+
+use super::words::{Comment, lists};
+
+const LOCAL: &str = "local localtime locale lokal lokale lokalzeit ortszeit civil wall daylight sommerzeit winterzeit";
+/// Words that form the name of a zone together with "time", "standard time" or "summer time".
+const ZONE_NAMES: &str = "eastern mountain pacific atlantic newfoundland hawaii hawaiian alaska alaskan samoa \
+     beijing china chinese taipei japan japanese tokyo korea korean india indian chile chilean argentina brazil \
+     brasilia moscow european australian zealand africa african israel arabian gulf singapore london british irish \
+     paris berlin madrid sydney zone observatory site station legal official standard summer winter";
+/// Abbreviations of zone times, in capitals. EST is also short for "estimated" (SharpCap: "Est. Frame Start").
+const ZONES: &str = "BJT WIB PST PDT MST MDT CST CDT EST EDT HST HDT AKST AKDT AST ADT NST NDT CET CEST EET EEST WEST BST \
+     IST MEZ MESZ JST KST HKT SGT PKT AEST AEDT ACST ACDT AWST NZST NZDT MSK SAST CLT CLST BRT BRST LT LMT";
+/// Computers whose clock may be local, and words of a clock.
+const COMPUTERS: &str = "computer pc host laptop workstation system";
+const COMPUTER_CLOCKS: &str = "time clock timestamp date";
+pub(super) const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
+
+impl Comment {
+    /// Returns true if the comment states universal time.
+    pub fn is_universal(&self) -> bool {
+        self.has(UNIVERSAL)
+    }
+
+    /// Returns true if the comment states a local time.
+    pub fn is_local(&self) -> bool {
+        if self.has_offset() {
+            return true;
+        }
+        // "UTC minus 7 hours", "not UTC"
+        let is_denied = || {
+            let others = self.words().filter(|word| lists(UNIVERSAL, word) || lists("tai iat tt tdt tdb gps", word));
+            self.has_pair("not", UNIVERSAL) && others.count() == 1
+        };
+        if self.has_pair(UNIVERSAL, "minus plus") || is_denied() {
+            return true;
+        }
+        let is_universal = self.has(UNIVERSAL);
+        // "local PC clock set to UTC"
+        if self.has(LOCAL)
+            && !(is_universal && self.has_pair("local", "site pc computer clock host server observatory"))
+        {
+            return true;
+        }
+        let has_number = self.text.contains(['+', '-']) && self.text.contains(|c: char| ('1'..='9').contains(&c));
+        if self.has("timezone zone") && (!is_universal || has_number) {
+            return true;
+        }
+        // "est." is short for estimated; HST is also the telescope.
+        let is_zone =
+            |word: &str| ZONES.split(' ').any(|zone| zone == word) && !self.text.contains(&format!("{word}."));
+        !is_universal && (self.words().any(is_zone) || self.has_pair(ZONE_NAMES, "time standard summer zeit"))
+    }
+
+    /// Returns true if the comment states an offset from UTC other than 0, such as `UTC-7` or `(GMT +5:30)`.
+    fn has_offset(&self) -> bool {
+        let lower = self.text.to_ascii_lowercase();
+        ["utc", "gmt", "ut"].iter().any(|name| {
+            lower.match_indices(name).any(|(at, _)| {
+                let rest = lower[at + name.len()..].trim_start();
+                let is_word = !lower[..at].ends_with(|c: char| c.is_ascii_alphanumeric());
+                let digits = rest
+                    .strip_prefix(['+', '-'])
+                    .map(|rest| rest.trim_start().split(|c: char| c != ':' && !c.is_ascii_digit()));
+                let offset = digits.and_then(|mut digits| digits.next()).unwrap_or_default();
+                is_word && offset.len() <= 5 && offset.contains(|c: char| ('1'..='9').contains(&c))
+            })
+        })
+    }
+
+    /// Returns true if the comment states a zone or an offset from universal time.
+    pub fn is_of_zone(&self) -> bool {
+        self.has("timezone") || self.has_pair("time", "zone") || (self.has("offset") && self.is_universal())
+    }
+
+    /// Returns the digits after `TAI -`; `None` if there are none.
+    fn offset_from_tai(&self) -> Option<String> {
+        let upper = self.text.to_ascii_uppercase();
+        let rest = upper.split_once("TAI")?.1.trim_start();
+        let rest = rest.strip_prefix('-').or_else(|| rest.strip_prefix("MINUS"))?.trim_start();
+        let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
+        (!digits.is_empty()).then_some(digits)
+    }
+
+    /// Returns the time scale that the comment states, other than UTC.
+    ///
+    /// # Errors
+    /// The clock of a computer, which may be local, a scale that is not supported, TAI minus other than the 37 s of UTC
+    /// since 2017, or GPS time, which is also a name for the UTC of a GPS receiver, 18 s earlier.
+    pub fn scale(&self) -> Result<Option<TimeScale>, &'static str> {
+        if self.has(UNIVERSAL) {
+            return Ok(None);
+        }
+        if self.has_pair(COMPUTERS, COMPUTER_CLOCKS) && !self.has_pair("system", "clock time") {
+            return Err("of the clock of a computer, which may be local,");
+        }
+        if self.has("GPST")
+            || self.has_pair("gps", "time times scale week seconds")
+            || self.words().all(|word| word == "GPS")
+        {
+            return if self.clauses.is_empty() { Ok(None) } else { Err("in GPS time or in UTC of a GPS receiver") };
+        }
+        // "TAI - 37 s" is UTC.
+        if let Some(offset) = self.offset_from_tai() {
+            return if offset == "37" { Ok(None) } else { Err("in TAI minus another number of seconds than 37") };
+        }
+        let is = |name: &str| self.words().any(|word| word == name);
+        if is("TCB") || is("TCG") {
+            Err("in coordinate time")
+        } else if is("TAI") || is("IAT") || self.has_pair("atomic", "time") {
+            Ok(Some(TimeScale::TAI))
+        } else if is("TT") || is("TDT") || self.has_pair("terrestrial ephemeris", "time dynamical") {
+            Ok(Some(TimeScale::TT))
+        } else if is("TDB") {
+            Ok(Some(TimeScale::TDB))
+        } else {
+            Ok(None)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clocks_of_computers_may_be_local() {
+        for text in ["computer clock time", "PC time", "host time at start"] {
+            assert!(Comment::new(text).scale().is_err(), "{text}");
+        }
+        for text in ["PC clock, UTC", "System Clock:Est. Frame Start", "System time", "host name"] {
+            assert_eq!(Comment::new(text).scale(), Ok(None), "{text}");
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Comments of header cards: what they state about the instant, the unit or the number of parts of a value.
+//!
+//! `words` splits a comment into words, `part` reads the part of the exposure to which an instant refers, `clock` local times
+//! and time scales, `doubt` uncertainties and remarks about clocks, and `unit` units of time.
+
+mod clock;
+mod doubt;
+mod part;
+mod unit;
+mod words;
+
+pub use part::AFTER_EXPOSURE;
+pub use unit::seconds_in;
+pub use words::{Comment, Role};

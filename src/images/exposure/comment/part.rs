@@ -1,0 +1,314 @@
+//! Part of the exposure to which an instant refers, by the comment of its card.
+
+use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
+
+/// Words of the end that have another meaning before a noun.
+const ADJECTIVES: &str = "complete off";
+/// Words between a part and what it qualifies.
+pub(super) const FILLERS: &str = "of the at to a an in and or between this first each actual through during for from de du der des la le da do della \
+     est";
+/// Words of periods that contain other exposures.
+const PERIODS: &str = "block blocks ob sequence sequences series night run session program programme queue script";
+/// Ends and middles as sums or in languages in which the word alone has other meanings, without blanks, in lower case.
+const PHRASES: &[(Role, &[&str])] = &[
+    (Role::Middle, &["50%of", "metaposa", "metaesposizione"]),
+    (Role::End, &["+exp", "+texp", "+t_exp", "+xposure", "plusexp", "fineesposizione", "finedell", "fineposa"]),
+];
+/// Beginnings of names of the exposure time in formulas, and a half of it before and after such a name.
+const LENGTHS: &[&str] = &["exp", "texp", "t_exp", "xpos", "itime", "integ", "dur", "telapse", "dit"];
+const HALVES_BEFORE: &[&str] = &["0.5*", "1/2*", "+1/2", "0.5x", ".5*", "half*"];
+const HALVES_AFTER: &[&str] = &["/2", "*0.5", "*.5"];
+/// Words of another event, unless the comment states a part of this exposure.
+const OTHERS: &str = "previous preceding next following last after post recorded recording grabbed";
+/// Words of times before the exposure.
+const PLANS: &str = "planned requested scheduled proposed";
+/// Words of events after the exposure, at an unknown delay.
+const EVENTS: &str = "received reception arrival arrived created creation saved saving stored written writing write \
+     generated modified downloaded download transferred transfer transmitted readout";
+const CORRECTED: &str = "heliocentric barycentric hjd bjd bmjd hmjd";
+/// Reason why the time of such an event cannot be used.
+pub const AFTER_EXPOSURE: &str = "the time of an event after the exposure";
+const UNCLEAR: &str = "perhaps of another part of the exposure, or of another event,";
+
+impl Comment {
+    /// Returns the part of the exposure that the comment states; `None` if it states none. `named` is the part that the
+    /// name of the keyword states; it applies if the comment mentions several parts.
+    ///
+    /// # Errors
+    /// The reason why the instant cannot be used: it is a local time, or the time of another event, or the comment
+    /// mentions several parts, or another part than the name.
+    pub fn role(&self, named: Option<Role>) -> Result<Option<Role>, &'static str> {
+        if self.has("sidereal lst lmst gmst gast") {
+            return Err("a sidereal time");
+        }
+        if self.is_local() {
+            return Err("a local time");
+        }
+        if self.has(CORRECTED) {
+            return Err("a time corrected to the Sun or the barycentre");
+        }
+        if self.has(PLANS) {
+            return Err("a planned time");
+        }
+        if self.is_of_period() {
+            return Err(UNCLEAR);
+        }
+        let (stated, is_unclear) = self.parts();
+        if stated.is_empty() && self.has(EVENTS) {
+            return Err(AFTER_EXPOSURE);
+        }
+        match (&stated[..], named) {
+            ([], None) if is_unclear => Err(UNCLEAR),
+            ([], named) => Ok(named),
+            ([role], Some(named)) if *role != named => Err("not the part of the exposure that the keyword names,"),
+            ([role], _) => Ok(Some(*role)),
+            (_, Some(named)) => Ok(Some(named)),
+            // "mean of start and end"
+            ([Role::Start, Role::Middle, Role::End], None) if self.has_pair(PARTS[1].1, "of between") => {
+                Ok(Some(Role::Middle))
+            }
+            (_, None) => Err("of more than one part of the exposure"),
+        }
+    }
+
+    /// Returns the parts that the comment states, and true if other words may state the middle, the end or an event.
+    pub(super) fn parts(&self) -> (Vec<Role>, bool) {
+        // "UTC (DATE-END: end)" concerns other keywords.
+        let is_keyword = |word: &str| {
+            word.split_once('-').is_some_and(|(clock, part)| {
+                ["DATE", "MJD", "JD", "TIME", "UT", "UTC"].contains(&clock)
+                    && ["BEG", "OBS", "AVG", "MID", "END", "STR", "STOP"].contains(&part)
+            })
+        };
+        let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
+        let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
+        let phrase = PHRASES.iter().find(|(role, list)| {
+            (*role == Role::Middle || !of_others || is_sum(&joined))
+                && list.iter().any(|phrase| joined.contains(phrase))
+        });
+        let mut stated: Vec<Role> = phrase.map(|(role, _)| *role).into_iter().collect();
+        if has_half(&joined) {
+            stated = vec![Role::Middle];
+        }
+        // "start + exptime/2", "DATE-BEG + EXPTIME"
+        if stated == [Role::Middle] || (stated == [Role::End] && is_sum(&joined)) {
+            return (stated, false);
+        }
+        let mut is_unclear = self.has(OTHERS);
+        for (role, list) in PARTS {
+            for words in &self.clauses {
+                for (at, _) in words.iter().enumerate().filter(|(_, word)| lists(list, word)) {
+                    // "Complete timestamp", but "exposure complete".
+                    let is_adjective = lists(ADJECTIVES, &words[at])
+                        && !(at > 0 && lists(EXPOSURE, &words[at - 1]))
+                        && words.len() > at + 1;
+                    if is_adjective || is_of_event(words, at) {
+                        continue;
+                    }
+                    match qualifies(words, at) {
+                        Some(true) if *role == Role::Start || !of_others => stated.push(*role),
+                        None => {}
+                        _ => is_unclear |= *role != Role::Start,
+                    }
+                }
+            }
+        }
+        stated.dedup();
+        (stated, is_unclear)
+    }
+
+    /// Returns true if the comment states a part of a period with other exposures, as in "start of observation block",
+    /// but not in "start of exposure in sequence".
+    fn is_of_period(&self) -> bool {
+        let is_part = |word: &String| PARTS.iter().any(|(_, list)| lists(list, word));
+        self.clauses.iter().any(|words| {
+            let Some(part) = words.iter().position(is_part) else { return false };
+            let period = words[part..].iter().position(|word| lists(PERIODS, word));
+            // The word before that of the period may belong to it.
+            period.is_some_and(|at| {
+                let is_of_exposure = words.get(part + at + 1).is_some_and(|word| lists(EXPOSURE, word));
+                let before = &words[part..(part + at).saturating_sub(1)];
+                !is_of_exposure && !before.iter().any(|word| lists(EXPOSURE, word))
+            })
+        })
+    }
+}
+
+/// Returns true if a text without blanks contains a half of the exposure time, such as `0.5*texp` and `exptime/2`.
+fn has_half(joined: &str) -> bool {
+    LENGTHS.iter().any(|length| {
+        let is_before = HALVES_BEFORE.iter().any(|half| joined.contains(&format!("{half}{length}")));
+        let is_after = || {
+            joined.match_indices(length).any(|(at, _)| {
+                let rest = joined[at..].trim_start_matches(|c: char| c.is_ascii_alphabetic() || c == '_');
+                HALVES_AFTER.iter().any(|half| {
+                    rest.strip_prefix(half).is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_digit()))
+                })
+            })
+        };
+        is_before || is_after()
+    })
+}
+
+/// Returns true if a text without blanks is the sum of another keyword and a name, as in `date-beg+exptime`, but not
+/// `mjd-obs+exptime/172800`.
+fn is_sum(joined: &str) -> bool {
+    let rest = joined.trim_start_matches(['(', '[', '=']);
+    let name = rest.find(|c: char| c != '-' && !c.is_ascii_alphanumeric()).map_or(rest, |end| &rest[..end]);
+    let Some(added) = rest[name.len()..].strip_prefix('+') else { return false };
+    let end = added.trim_start_matches(|c: char| c == '_' || c.is_ascii_alphabetic());
+    name.contains('-') && (end.is_empty() || end.starts_with(['(', ')', ']', ',', ';']))
+}
+
+/// Returns true if a word of a part qualifies an event after the exposure, as in "start of image transfer" and "readout
+/// start time", but not in "end of exposure before readout".
+fn is_of_event(words: &[String], at: usize) -> bool {
+    let is_clock = |word: &String| lists(FILLERS, word) || lists(CLOCK, word);
+    // "start time saved by the server" is a start.
+    let is_noun = |word: &String| lists(EVENTS, word) && !word.ends_with("ed") && word != "written";
+    let is_event = |word: Option<&String>| word.is_some_and(is_noun);
+    let mut rest = words[at + 1..].iter().skip_while(|word| is_clock(word));
+    match rest.next() {
+        None => is_event(words[..at].iter().rev().find(|word| !is_clock(word))),
+        Some(next) => is_event(Some(next)) || (lists(EXPOSURE, next) && is_event(rest.next())),
+    }
+}
+
+/// Returns true if a word of a part qualifies the time or the exposure, false if it may, and `None` if it does not. The
+/// word that follows in the clause decides, or else the word that precedes.
+fn qualifies(words: &[String], at: usize) -> Option<bool> {
+    let counts = |word: &&String| !lists(FILLERS, word) && !word.starts_with(|c: char| c.is_ascii_digit());
+    let next = words[at + 1..].iter().find(counts);
+    let previous = words[..at].iter().rev().find(counts);
+    let is_part = |word: &str| PARTS.iter().any(|(_, list)| lists(list, word));
+    match (next, previous) {
+        (Some(next), _) if lists(EXPOSURE, next) || lists(CLOCK, next) || is_part(next) => Some(true),
+        (Some(_), Some(previous)) if lists(EXPOSURE, previous) => Some(true),
+        (None, Some(previous)) if lists(EXPOSURE, previous) || lists(CLOCK, previous) || is_part(previous) => {
+            Some(true)
+        }
+        (None, None) => Some(true),
+        // The name of a place, such as "Goddard Space Flight Center".
+        (None, Some(_)) if lists("center centre", &words[at]) => None,
+        (Some(_), _) if lists("centro", &words[at]) => None,
+        _ => Some(false),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roles_in_comments() {
+        for (text, role) in [
+            ("UTC at midpoint of exposure", Ok(Some(Role::Middle))),
+            ("[UTC] Mid-exposure", Ok(Some(Role::Middle))),
+            ("Observation mean time", Ok(Some(Role::Middle))),
+            ("mean time of exposure", Ok(Some(Role::Middle))),
+            ("average of start and end", Ok(Some(Role::Middle))),
+            ("DATE-OBS + 0.5*EXPTIME", Ok(Some(Role::Middle))),
+            ("UT at t_start + 0.5*texp", Ok(Some(Role::Middle))),
+            ("start + 1/2 exp (UTC)", Ok(Some(Role::Middle))),
+            ("DATE-BEG + XPOSURE/2", Ok(Some(Role::Middle))),
+            ("frame 1/2, exposure 1/20 s", Ok(None)),
+            ("DATE-BEG + EXPTIME", Ok(Some(Role::End))),
+            ("MJD-OBS + texp", Ok(Some(Role::End))),
+            ("MJD-OBS + EXPTIME/172800", Ok(None)),
+            ("UTC start of 1/2 exposures", Ok(Some(Role::Start))),
+            ("start of exposure (TAI, not UTC)", Ok(Some(Role::Start))),
+            ("UTC, not UT1", Ok(None)),
+            ("UTC minus 7 hours", Err("a local time")),
+            ("camera clock not UTC", Err("a local time")),
+            ("JD, mean equinox", Ok(None)),
+            ("UTC from front end computer", Ok(None)),
+            ("UTC of exposure, f-stop 8", Ok(None)),
+            ("UTC to half a second", Ok(None)),
+            ("Goddard Space Flight Center, UTC", Ok(None)),
+            ("UTC start of first, mid-exposure in DATE-AVG", Ok(Some(Role::Start))),
+            ("start of exposure after shutter delay", Ok(Some(Role::Start))),
+            ("shutter shut", Ok(Some(Role::End))),
+            ("fin de pose TU", Ok(Some(Role::End))),
+            ("UTC, average of NTP servers", Err(UNCLEAR)),
+            ("UTC (DATE-END: end)", Err(UNCLEAR)),
+            ("UT at stop of previous exposure", Err(UNCLEAR)),
+            ("UTC after exposure", Err(UNCLEAR)),
+            ("middle of night", Err(UNCLEAR)),
+            ("Mountain Standard Time", Err("a local time")),
+            ("Beijing time", Err("a local time")),
+            ("New Zealand daylight time", Err("a local time")),
+            ("Ortszeit (MESZ)", Err("a local time")),
+            ("computer time zone -7", Err("a local time")),
+            ("time zone: UTC", Ok(None)),
+            ("UTC, not local time", Ok(None)),
+            ("Local site PC clock set to UTC", Ok(None)),
+            ("Greenwich Mean Time", Ok(None)),
+            ("mean of the exposure, UT", Ok(Some(Role::Middle))),
+            ("UTC seconds since midnight", Ok(None)),
+            ("MIDAS desc.: O_TIME(1)", Ok(None)),
+            ("Gregorian calendar date of the observation", Ok(None)),
+            ("System Clock:Est. Frame Start", Ok(Some(Role::Start))),
+            ("SYSTEM CLOCK:EST. FRAME END", Ok(Some(Role::End))),
+            ("shutter closed", Ok(Some(Role::End))),
+            ("shutter closure", Ok(Some(Role::End))),
+            ("EndExposure", Ok(Some(Role::End))),
+            ("exposureMidTime", Ok(Some(Role::Middle))),
+            ("expend", Ok(Some(Role::End))),
+            ("Belichtungsbeginn", Ok(Some(Role::Start))),
+            ("start time saved by server", Ok(Some(Role::Start))),
+            ("PixInsight date", Ok(None)),
+            ("MeanSolarTime", Err(UNCLEAR)),
+            ("Greenwich mean solar time", Ok(None)),
+            ("System Clock:Frame Received", Err(AFTER_EXPOSURE)),
+            ("Image created time", Err(AFTER_EXPOSURE)),
+            ("Start of readout", Err(AFTER_EXPOSURE)),
+            ("readout start time", Err(AFTER_EXPOSURE)),
+            ("UTC at end of image transfer", Err(AFTER_EXPOSURE)),
+            ("start of exposure, which ends with readout", Ok(Some(Role::Start))),
+            ("UTC at end of exposure, before readout", Ok(Some(Role::End))),
+            ("end of exposure (excluding readout)", Ok(Some(Role::End))),
+            ("Local time at start", Err("a local time")),
+            ("MST, start", Err("a local time")),
+            ("Local sidereal time", Err("a sidereal time")),
+            ("start, UTC-7", Err("a local time")),
+            ("computer clock (GMT +5:30)", Err("a local time")),
+            ("UTC+0, start", Ok(Some(Role::Start))),
+            ("UT1-UTC < 1 s", Ok(None)),
+            ("half-way through the exposure", Ok(Some(Role::Middle))),
+            ("BJD of start", Err("a time corrected to the Sun or the barycentre")),
+            ("UTC at which frame was recorded", Err(UNCLEAR)),
+            ("timestamp when the frame was grabbed by host", Err(UNCLEAR)),
+            ("Planned start of exposure", Err("a planned time")),
+            ("UTC start of observation block", Err(UNCLEAR)),
+            ("begin of the night", Err(UNCLEAR)),
+            ("start of exposure in sequence", Ok(Some(Role::Start))),
+            ("LMST", Err("a sidereal time")),
+            ("BJT", Err("a local time")),
+            ("acq. complete", Ok(Some(Role::End))),
+            ("complete UTC date", Ok(None)),
+            ("shutter off", Ok(Some(Role::End))),
+            ("EOE", Ok(Some(Role::End))),
+            ("UTmid", Ok(Some(Role::Middle))),
+            ("start time + exptime", Err("of more than one part of the exposure")),
+            ("time + exptime", Ok(Some(Role::End))),
+            ("UTC start; end is DATE-OBS+EXPTIME", Ok(Some(Role::Start))),
+            ("Complete timestamp (UTC)", Ok(None)),
+            ("complete observation date and time", Ok(None)),
+            ("UTC, exposure complete", Ok(Some(Role::End))),
+            ("UTC at shutter off", Ok(Some(Role::End))),
+            ("Start of observing run exposure", Ok(Some(Role::Start))),
+            ("UTC, Centro Astronomico", Ok(None)),
+            ("start+exptime/2", Ok(Some(Role::Middle))),
+            ("fine esposizione", Ok(Some(Role::End))),
+            ("UTC, fine resolution", Ok(None)),
+            ("fim da exposicao", Ok(Some(Role::End))),
+            ("Aufnahmeende", Ok(Some(Role::End))),
+            ("centro de la exposicion", Ok(Some(Role::Middle))),
+            ("start or end of exposure", Err("of more than one part of the exposure")),
+        ] {
+            assert_eq!(Comment::new(text).role(None), role, "{text}");
+        }
+        assert_eq!(Comment::new("mean of start and end").role(Some(Role::Middle)), Ok(Some(Role::Middle)));
+        assert!(Comment::new("end of exposure").role(Some(Role::Start)).is_err());
+    }
+}

@@ -1,0 +1,139 @@
+//! Words of comments.
+
+/// Part of an exposure to which an instant refers.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Role {
+    Start,
+    Middle,
+    End,
+}
+
+/// Words of the parts of an exposure. They count only where they qualify a word of [`EXPOSURE`] or [`CLOCK`].
+pub(super) const PARTS: &[(Role, &str)] = &[
+    (
+        Role::Start,
+        "start starts started starting begin begins beginning began beg open opens opened opening debut beginn anfang \
+         inicio inizio",
+    ),
+    (
+        Role::Middle,
+        "mid middle half effective weighted center centre central average averaged avg mean median mitte milieu mitad \
+         medio centro meio",
+    ),
+    (
+        Role::End,
+        "end ends ended ending finish finished stop stops stopped close closes closed closing closure shut off complete \
+         completion completed terminated fin fim ende eoe",
+    ),
+];
+pub(super) const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exposicao esposizione exptime pose posa \
+     belichtung belichtungs aufnahme integration integrations int observation observations observing obs frame frames image images \
+     img shutter scan capture stack interval visit coadd coadds dce";
+pub(super) const CLOCK: &str = "time times date dates datetime timestamp timestamps stamp t ut utc ut1 tu tai tt tdb gmt epoch jd \
+     mjd julian instant moment point points pt way yyyy ccyy dd hh hms ymd";
+/// Phrases in which a word of a part or of a zone qualifies something else.
+const OTHER_MEANINGS: &[&str] = &[
+    "front end",
+    "back end",
+    "f stop",
+    "closed loop",
+    "open loop",
+    "open source",
+    "data center",
+    "data centre",
+    "half second",
+    "half a second",
+    "half day",
+    "half a day",
+    "greenwich mean",
+    "universal mean",
+    "mean equinox",
+    "modified julian",
+    "modified jd",
+    "mid night",
+    "not local",
+    "not in local",
+    "non local",
+    "not the local",
+];
+
+/// Length of the shortest word of two, as "tmid".
+const SHORTEST_PAIR: usize = 4;
+
+/// Returns true if a list of words contains a word, in upper or lower case.
+pub(super) fn lists(list: &str, word: &str) -> bool {
+    list.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word))
+}
+
+/// Splits words such as "MidExposure", "UTstart" and "expend" into a word of a part and one of the exposure or a clock, and
+/// other words at a capital.
+fn parts_of_word(word: &str) -> Vec<&str> {
+    let is_other = |word: &str| lists(EXPOSURE, word) || lists(CLOCK, word);
+    let of_parts = || PARTS.iter().flat_map(|(_, list)| list.split_ascii_whitespace());
+    if word.len() < SHORTEST_PAIR || is_other(word) || of_parts().any(|part| part.eq_ignore_ascii_case(word)) {
+        return vec![word];
+    }
+    let pair = of_parts().filter(|part| part.len() < word.len()).find_map(|part| {
+        let [after, before] = [part.len(), word.len() - part.len()].map(|at| word.split_at(at));
+        let is_first = after.0.eq_ignore_ascii_case(part) && is_other(after.1);
+        let is_last = || before.1.eq_ignore_ascii_case(part) && is_other(before.0);
+        if is_first { Some(after) } else { is_last().then_some(before) }
+    });
+    // "exposureMidTime" has three.
+    let letters = word.as_bytes();
+    let capital = || {
+        let is_end = |at: &usize| letters[at - 1].is_ascii_lowercase() && letters[*at].is_ascii_uppercase();
+        (3..letters.len() - 2).find(is_end).map(|at| word.split_at(at))
+    };
+    match pair {
+        Some((first, last)) => vec![first, last],
+        None => capital().map_or_else(|| vec![word], |(first, rest)| [vec![first], parts_of_word(rest)].concat()),
+    }
+}
+
+/// Comment of a card with its words.
+#[derive(Clone, Debug)]
+pub struct Comment {
+    pub(super) text: String,
+    /// Clauses between commas, brackets, ... with their words as written: runs of letters and digits, without the
+    /// phrases of [`OTHER_MEANINGS`].
+    pub(super) clauses: Vec<Vec<String>>,
+}
+
+impl Comment {
+    pub fn new(text: &str) -> Self {
+        let clauses = text.split([',', ';', ':', '.', '(', ')', '[', ']']).map(|clause| {
+            let words = clause.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+            let mut words: Vec<String> = words.flat_map(parts_of_word).map(str::to_owned).collect();
+            for phrase in OTHER_MEANINGS {
+                let phrase: Vec<&str> = phrase.split(' ').collect();
+                let is_phrase = |part: &[String]| part.iter().zip(&phrase).all(|(a, b)| a.eq_ignore_ascii_case(b));
+                while let Some(at) = words.windows(phrase.len()).position(is_phrase) {
+                    words.drain(at..at + phrase.len());
+                }
+            }
+            words
+        });
+        Self { text: text.to_owned(), clauses: clauses.filter(|words| !words.is_empty()).collect() }
+    }
+
+    /// Returns the text without surrounding blanks.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    pub(super) fn words(&self) -> impl Iterator<Item = &str> {
+        self.clauses.iter().flatten().map(String::as_str)
+    }
+
+    /// Returns true if the comment contains a word of a list.
+    pub fn has(&self, list: &str) -> bool {
+        self.words().any(|word| lists(list, word))
+    }
+
+    /// Returns true if a word of the first list is followed by a word of the second list in the same clause.
+    pub fn has_pair(&self, first: &str, second: &str) -> bool {
+        let is_pair = |pair: &[String]| lists(first, &pair[0]) && lists(second, &pair[1]);
+        self.clauses.iter().any(|words| words.windows(2).any(is_pair))
+    }
+}
