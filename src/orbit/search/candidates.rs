@@ -20,7 +20,7 @@ pub struct CrossingCandidate {
     /// Interval during which the predicted position is inside the cone, seconds from the middle of the cone's time
     /// interval. It may begin before and end after that time interval, by the largest delay that is searched.
     pub near_s: [f32; 2],
-    /// True if the satellite is inside the given shadow during the whole time interval of the cone.
+    /// True if the satellite is inside the given shadow whenever it may be inside the cone.
     pub is_dark: bool,
 }
 
@@ -43,9 +43,11 @@ impl Window {
         let shadow = cones.shadow.map(|shadow| shadow.in_teme(teme_to_gcrs));
         for satellite in &self.always {
             let tests = if of_parts.is_empty() { std::slice::from_ref(&whole) } else { &of_parts };
-            candidates.extend((cones.first..).zip(tests).filter_map(|(cone, test)| {
-                Some(candidate(satellite.element_index, cone, satellite.inside(test, shadow.as_ref())?))
-            }));
+            candidates.extend(
+                (cones.first..)
+                    .zip(tests)
+                    .filter_map(|(cone, test)| Some(candidate(satellite.element_index, cone, satellite.inside(test)?))),
+            );
         }
         self.planes(&whole, |chunk, lane, phase| {
             let inside =

@@ -140,16 +140,28 @@ pub(super) struct Phase {
 }
 
 impl Phase {
+    /// Returns the components of the eccentricity vector, and the semi-major axis, km.
+    fn shape(&self, fraction: f64) -> ([f64; 2], f64) {
+        let eccentricity = [0, 1]
+            .map(|axis| f64::from(self.eccentricity[axis]) + fraction * f64::from(self.eccentricity_change[axis]));
+        let semi_major_axis_km =
+            f64::from(self.semi_major_axis_km) + fraction * f64::from(self.semi_major_axis_change_km);
+        (eccentricity, semi_major_axis_km)
+    }
+
+    /// Returns the distance of the perigee from the Earth's centre, km.
+    pub fn perigee_km(&self, fraction: f64) -> f64 {
+        let ([k, h], semi_major_axis_km) = self.shape(fraction);
+        semi_major_axis_km * (1.0 - k.hypot(h))
+    }
+
     /// Returns the interpolated position and velocity in TEME, km and km/s. The reference vector turns with the plane
     /// by a degree or two and is not normalised again.
     pub fn state(&self, normal: &Vector3<f64>, time_s: f64, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
         let [rx, ry, rz] = self.reference;
         let x_axis = plane_axis(&Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz)), normal);
         let y_axis = normal.cross(&x_axis);
-        let eccentricity = [0, 1]
-            .map(|axis| f64::from(self.eccentricity[axis]) + fraction * f64::from(self.eccentricity_change[axis]));
-        let semi_major_axis_km =
-            f64::from(self.semi_major_axis_km) + fraction * f64::from(self.semi_major_axis_change_km);
+        let (eccentricity, semi_major_axis_km) = self.shape(fraction);
         let longitude_rad = self.mean_longitude_rad + self.mean_longitude_rate_rad_s * time_s;
         let ([x, y], [u, v]) = plane_state(longitude_rad, eccentricity, semi_major_axis_km);
         (x_axis * x + y_axis * y, x_axis * u + y_axis * v)
