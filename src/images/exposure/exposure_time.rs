@@ -274,8 +274,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     }
     let created = instants.created.take().filter(|(from, _)| first.from.starts_with(from)).map(|(from, text)| {
         format!(
-            "{from} is read as the end of the exposure, at which this camera creates its images (comment {text:?}), without the \
-             time for readout; for another start specify --start"
+            "{from} is read as the end of the exposure (comment {text:?}), as programs for this camera do: its maker does not \
+             document it; for another start specify --start"
         )
     });
     if approximate.is_none()
@@ -385,7 +385,10 @@ fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
 /// Returns a sentence about a file that was written before the end of the exposure, if nothing states that the start is the
 /// start: its time may be that of the end, as UTC in headers of Keck's LRIS.
 fn written_early(keywords: Keywords<'_>, start: &Start, duration_s: f64) -> Option<String> {
-    let (name, text, _) = keywords.text_and_comment("DATE")?;
+    let (name, text, comment) = keywords.text_and_comment("DATE")?;
+    if comment.is_local() || comment.role(None) == Ok(Some(Role::Start)) {
+        return None;
+    }
     let DateText::Moment(written) = parse_date(&text, TimeScale::UTC) else { return None };
     let late_s = seconds_between(start.epoch, written);
     let latest_s = (1.0 - SHIFT_SLACK) * duration_s - START_SLACK_S - start.slack_s;

@@ -102,13 +102,13 @@ const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"]
 /// Keywords of local times.
 const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "LT"];
 
-/// Keywords of devices, and a device that writes the time of the creation of an image, at the end of the exposure, as
-/// DATE-OBS (so read by the Seestar Photometry Stack for Siril, <https://gitlab.com/Aquarius58/siril-seestar-stack>), in
-/// lower case. The ASIAIR has the same comment, but nothing is published about its time.
-const DEVICES: &[&str] = &["CREATOR", "INSTRUME", "TELESCOP"];
+/// Keywords of devices, and a device whose DATE-OBS is the time at which its image was created, the end of the exposure (so
+/// read by the Seestar Photometry Stack for Siril, <https://gitlab.com/Aquarius58/siril-seestar-stack>; its maker documents
+/// nothing), in lower case. The ASIAIR has the same comment, but nothing is published about its time.
+const DEVICES: &[&str] = &["CREATOR", "INSTRUME"];
 const CREATES_AT_END: &str = "seestar";
 const WITH_LOG: &str = "asiair";
-const CREATED: &str = "created creation";
+const CREATED: &str = "image created";
 
 /// Rounding error of a time without seconds, seconds.
 const MINUTE_S: f64 = 60.0;
@@ -175,7 +175,10 @@ impl Instants {
         // "UTDATE" of the AAT
         if DATES.iter().all(|keyword| keywords.find(keyword).is_none()) {
             for keyword in UNIVERSAL_DATES {
-                reader.date(keyword)?;
+                let text = keywords.text(&[keyword]).map(|(_, text)| text);
+                if text.is_some_and(|text| matches!(parse_date(&text, scale), DateText::Day(_))) {
+                    reader.date(keyword)?;
+                }
             }
         }
         for keyword in MODIFIED_DATES.iter().chain(JULIAN_DATES) {
@@ -521,7 +524,12 @@ impl Reader<'_> {
             devices.into_iter().any(|(_, text)| text.to_ascii_lowercase().contains(device))
         };
         let role = match role {
-            Err((comment, AFTER_EXPOSURE)) if comment.has(CREATED) && is_of_device(CREATES_AT_END) => {
+            Err((comment, AFTER_EXPOSURE))
+                if instant.from == "DATE-OBS"
+                    && comment.text().to_ascii_lowercase().contains(CREATED)
+                    && is_of_device(CREATES_AT_END)
+                    && NAMED_STARTS.iter().all(|name| self.keywords.find(name).is_none()) =>
+            {
                 self.instants.created.get_or_insert((instant.from.clone(), comment.text().to_owned()));
                 Ok(Some(Role::End))
             }
@@ -529,7 +537,8 @@ impl Reader<'_> {
         };
         match role {
             Ok(role) => {
-                let is_without_seconds = without_offset(value).0.matches(':').count() == 1;
+                let clock = without_offset(value).0.rsplit(['T', 't', ' ']).next();
+                let is_without_seconds = clock.is_some_and(|clock| clock.matches(':').count() == 1);
                 let slack_s = if is_without_seconds { MINUTE_S } else { instant.slack_s };
                 let stated_s = comments.iter().filter_map(Comment::uncertainty_s);
                 let slack_s = stated_s.fold(slack_s, f64::max);

@@ -21,6 +21,7 @@ const NAMES: [&str; 7] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SI
 /// Keyword of codes such as `coj` (Las Cumbres Observatory). Codes of the Minor Planet Center are not looked up, because
 /// numbers have another meaning in other headers.
 const SITE_CODE: &str = "SITEID";
+const LAS_CUMBRES: [&str; 7] = ["coj", "cpt", "elp", "lsc", "ogg", "tfn", "tlv"];
 /// Keywords of latitude and longitude that do not give the site, because no standard defines the sign and the unit of
 /// the longitude. They must agree with the name of the site in one of the usual senses.
 const LATITUDES: &[&str] =
@@ -94,6 +95,9 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
     for keyword in NAMES {
         // WISE in capitals is the telescope in space, and Wise a site on the Earth.
         let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| text != "WISE") else { continue };
+        if keyword == SITE_CODE && !LAS_CUMBRES.iter().any(|code| code.eq_ignore_ascii_case(&text)) {
+            continue;
+        }
         if keyword == NAMES[0] && !CAMERAS.iter().any(|camera| camera.eq_ignore_ascii_case(&text)) {
             continue;
         }
@@ -216,7 +220,9 @@ fn compared(keywords: Keywords<'_>, site: &Site, is_named: bool) -> Result<Optio
     let Some((_, sense)) = senses.iter().find(|(sense_deg, _)| !is_far(*sense_deg, longitude_deg)) else {
         return Err(format!("{named}, but {given}"));
     };
-    let (is_east, is_west) = (comment.has("east e"), comment.has("west w"));
+    // "East is negative" is counted to the west.
+    let is_negated = comment.has("negative neg") && !comment.has("west w");
+    let (is_east, is_west) = (comment.has("east e") && !is_negated, comment.has("west w") || is_negated);
     if sense.is_empty() || (is_west && !is_east) {
         return Ok(None);
     }

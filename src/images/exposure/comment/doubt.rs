@@ -10,7 +10,7 @@ const APPROXIMATE: &str = "approximate approximately approx estimated about nomi
 /// Words of comments that state nothing else than a date, in addition to the words of exposures and clocks.
 const NEUTRAL: &str = "as is was when which with on by taken acquired acquisition data gregorian calendar greenwich modified \
      coordinated international atomic standard matching ob day format iso isot iso8601 fits value number since nov days seconds hours sec \
-     row midas desc tstart typical yy hhmmss ddthh mmthh ss sss ssss mm 1st";
+     row midas desc typical yy hhmmss ddthh mmthh thh ss sss ssss mm 1st";
 const ERRORS: &str = "error uncertainty inaccuracy drift";
 /// Words of remarks about clocks.
 const CLOCK_ERRORS: &str = "offset error errors fast slow late early wrong corrected correction shifted drift";

@@ -21,10 +21,12 @@ const HALVES_AFTER: &[&str] = &["/2", "*0.5", "*.5"];
 /// Words of another event, unless the comment states a part of this exposure.
 const OTHERS: &str = "previous preceding next following last after post recorded recording grabbed";
 /// Words of times before the exposure.
-const PLANS: &str = "planned requested scheduled proposed";
+const PLANS: &str = "planned intended requested scheduled proposed";
 /// Words of events after the exposure, at an unknown delay.
 const EVENTS: &str = "received reception arrival arrived created creation saved saving stored written writing write \
-     generated modified downloaded download transferred transfer transmitted readout";
+     generated modified downloaded download transferred transfer readout";
+/// Words with which a part beside such an event is not that of the time.
+const UNSTATED: &str = "plus after not no unknown file packet";
 const CORRECTED: &str = "heliocentric barycentric hjd bjd bmjd hmjd";
 /// Reason why the time of such an event cannot be used.
 pub const AFTER_EXPOSURE: &str = "the time of an event after the exposure";
@@ -54,7 +56,7 @@ impl Comment {
             return Err(UNCLEAR);
         }
         let (stated, is_unclear) = self.parts();
-        if stated.is_empty() && self.has(EVENTS) {
+        if self.has(EVENTS) && (stated.is_empty() || !self.begins_with_part()) {
             return Err(AFTER_EXPOSURE);
         }
         match (&stated[..], named) {
@@ -69,6 +71,13 @@ impl Comment {
             }
             (_, None) => Err("of more than one part of the exposure"),
         }
+    }
+
+    /// Returns true if the comment begins with a part of the exposure, as "start of exposure, which ends with readout".
+    fn begins_with_part(&self) -> bool {
+        let first = self.words().find(|word| !lists(CLOCK, word) && !lists(FILLERS, word));
+        let is_part = |word: &str| PARTS.iter().any(|(_, list)| lists(list, word));
+        first.is_some_and(is_part) && !self.has(UNSTATED) && !self.text.contains('+')
     }
 
     /// Returns the parts that the comment states, and true if other words may state the middle, the end or an event.
@@ -267,6 +276,21 @@ mod tests {
             ("start of exposure, which ends with readout", Ok(Some(Role::Start))),
             ("UTC at end of exposure, before readout", Ok(Some(Role::End))),
             ("end of exposure (excluding readout)", Ok(Some(Role::End))),
+            ("Image saved after end of exposure", Err(AFTER_EXPOSURE)),
+            ("readout, end", Err(AFTER_EXPOSURE)),
+            ("time saved, not start of exposure", Err(AFTER_EXPOSURE)),
+            ("exposure start plus readout", Err(AFTER_EXPOSURE)),
+            ("Start of image file writing", Err(AFTER_EXPOSURE)),
+            ("Start of exposure + readout", Err(AFTER_EXPOSURE)),
+            ("Start of frame-transfer exposure", Ok(Some(Role::Start))),
+            ("UTC at end of frame transfer", Err(AFTER_EXPOSURE)),
+            ("UTC transmitted by time server", Ok(None)),
+            ("UTC, meant for plate solving", Ok(None)),
+            ("UTC from NTP endpoint", Ok(None)),
+            ("UTC intended start of exposure", Err("a planned time")),
+            ("EndOfExposure", Ok(Some(Role::End))),
+            ("TimeOfExposureEnd", Ok(Some(Role::End))),
+            ("Julian date in mean solar days", Ok(None)),
             ("Local time at start", Err("a local time")),
             ("MST, start", Err("a local time")),
             ("Local sidereal time", Err("a sidereal time")),

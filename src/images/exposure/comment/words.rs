@@ -45,6 +45,12 @@ const OTHER_MEANINGS: &[&str] = &[
     "half a second",
     "half day",
     "half a day",
+    "frame transfer mode",
+    "frame transfer ccd",
+    "frame transfer camera",
+    "frame transfer exposure",
+    "mean solar day",
+    "mean solar days",
     "greenwich mean",
     "universal mean",
     "mean equinox",
@@ -57,35 +63,32 @@ const OTHER_MEANINGS: &[&str] = &[
     "not the local",
 ];
 
-/// Length of the shortest word of two, as "tmid".
-const SHORTEST_PAIR: usize = 4;
+/// Words of a part that are written together with a word of the exposure or a clock, as in "tmid" and "expend", and words
+/// that only seem to be such a pair.
+const JOINED_PARTS: &str = "start begin beginn beg mid middle end ende stop";
+const NO_PAIRS: &str = "intend endpoint";
 
 /// Returns true if a list of words contains a word, in upper or lower case.
 pub(super) fn lists(list: &str, word: &str) -> bool {
     list.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word))
 }
 
-/// Splits words such as "MidExposure", "UTstart" and "expend" into a word of a part and one of the exposure or a clock, and
-/// other words at a capital.
+/// Splits words such as "UTstart" and "expend" into a word of a part and one of the exposure or a clock, and other words,
+/// such as "EndOfExposure", at their capitals.
 fn parts_of_word(word: &str) -> Vec<&str> {
     let is_other = |word: &str| lists(EXPOSURE, word) || lists(CLOCK, word);
-    let of_parts = || PARTS.iter().flat_map(|(_, list)| list.split_ascii_whitespace());
-    if word.len() < SHORTEST_PAIR || is_other(word) || of_parts().any(|part| part.eq_ignore_ascii_case(word)) {
-        return vec![word];
-    }
-    let pair = of_parts().filter(|part| part.len() < word.len()).find_map(|part| {
+    let pair = JOINED_PARTS.split_ascii_whitespace().filter(|part| part.len() < word.len()).find_map(|part| {
         let [after, before] = [part.len(), word.len() - part.len()].map(|at| word.split_at(at));
         let is_first = after.0.eq_ignore_ascii_case(part) && is_other(after.1);
         let is_last = || before.1.eq_ignore_ascii_case(part) && is_other(before.0);
         if is_first { Some(after) } else { is_last().then_some(before) }
     });
-    // "exposureMidTime" has three.
     let letters = word.as_bytes();
     let capital = || {
         let is_end = |at: &usize| letters[at - 1].is_ascii_lowercase() && letters[*at].is_ascii_uppercase();
-        (3..letters.len() - 2).find(is_end).map(|at| word.split_at(at))
+        (2..letters.len().saturating_sub(2)).find(is_end).map(|at| word.split_at(at))
     };
-    match pair {
+    match pair.filter(|_| !lists(NO_PAIRS, word)) {
         Some((first, last)) => vec![first, last],
         None => capital().map_or_else(|| vec![word], |(first, rest)| [vec![first], parts_of_word(rest)].concat()),
     }
@@ -117,7 +120,7 @@ impl Comment {
         Self { text: text.to_owned(), clauses: clauses.filter(|words| !words.is_empty()).collect() }
     }
 
-    /// Returns the text without surrounding blanks.
+    /// Returns the text as written.
     pub fn text(&self) -> &str {
         &self.text
     }
