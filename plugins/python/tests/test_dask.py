@@ -265,10 +265,10 @@ def test_quiet_nights_invalid_visits_unknown_positions_and_units(data, visits, t
 @pytest.mark.parametrize("name", ["numExposures", "nexp", None])
 def test_visits_of_several_snaps_last_as_in_databases(visits, survey_model, tmp_path, name):
     """The same rows through `StreakModel.annotate`."""
-    model = survey_model.with_options(policy={"max_cost_s": 1.0})
-    cells = [(30.0, 34.0, 1), (30.0, 34.0, 2), (30.0, 34.0, None), (30.0, 34.0, 0), (30.0, None, 2), (30.0, 29.0, 2)]
+    model = survey_model.with_options(policy={"max_cost_s": 2.1})
+    cells = [(30.0, 34.0, 1), (30.0, 300.0, 2), (30.0, 34.0, None), (30.0, 34.0, 0), (30.0, None, 2), (30.0, 29.0, 2)]
     cells += [(30.0, None, None), (30.0, 20.0, None), (30.0, -1.0, None), (30.0, -1.0, 1), (30.0, 34.0, -1), (0.0, 34.0, 0), (None, 34.0, 2)]
-    open_s, visit_s, snaps = ([row[column] for row in cells] * 4 for column in range(3))
+    open_s, visit_s, snaps = ([row[column] for row in cells] * 12 for column in range(3))
     count = len(open_s)
     opsim = {"observationId": np.arange(count), "fieldRA": visits["ra_deg"][:count], "fieldDec": visits["dec_deg"][:count]}
     opsim |= {"observationStartMJD": visits["start"][:count], "band": visits["band"][:count]}
@@ -282,7 +282,8 @@ def test_visits_of_several_snaps_last_as_in_databases(visits, survey_model, tmp_
     with sqlite3.connect(tmp_path / "annotated.db") as base:
         names = "verdict, streak_length_deg, streak_cost_s"
         expected = base.execute(f"SELECT {names} FROM streak_flags ORDER BY CAST(exposure_id AS INTEGER)").fetchall()
-    assert {"invalid", "clear"} < {verdict for verdict, *_ in expected}
+    # The cost of streaks in all of `visitTime` would be ten times as large, and most of these visits `avoid`.
+    assert name is None or [verdict for (verdict, *_), snap in zip(expected, snaps) if snap == 2].count("streaked") > 2
     with (
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
@@ -291,7 +292,7 @@ def test_visits_of_several_snaps_last_as_in_databases(visits, survey_model, tmp_
         found = streakcast.dask.read(streakcast.dask.annotate(table, model, client, tmp_path / "nights"))
     assert found["verdict"].tolist() == [verdict for verdict, *_ in expected]
     for index, column in ((1, "streak_length_deg"), (2, "streak_cost_s")):
-        np.testing.assert_allclose(found[column], [np.nan if row[index] is None else row[index] for row in expected], rtol=1e-9)
+        np.testing.assert_allclose(found[column], [np.nan if row[index] is None else row[index] for row in expected], atol=1e-3)
 
 
 def test_all_columns_are_documented():
