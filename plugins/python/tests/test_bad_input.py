@@ -216,6 +216,7 @@ def test_missing_cells_are_invalid(model):
     for arguments in (
         ((np.ma.array(ra, mask=mask), dec), start, 30.0),
         ((ra, [-30.5, None, -30.5]), start, 30.0),
+        (SkyCoord(Masked(ra * u.deg, mask=mask), Masked(dec * u.deg, mask=mask)), start, 30.0),
         ((ra, dec), np.ma.array(start, mask=mask), 30.0),
         ((ra, dec), [61_266.98, None, 61_266.98], 30.0),
         ((ra, dec), np.ma.array(start.astype(object), mask=mask), 30.0),

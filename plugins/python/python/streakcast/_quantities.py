@@ -152,16 +152,22 @@ def _icrs(target: object) -> Any:
         raise ValueError(f"target cannot be converted to ICRS: {error}; allowed: a frame with time and place") from None
 
 
+def _degrees(axis: Any) -> FloatArray:
+    """Returns a coordinate in degrees, NaN if it is masked."""
+    degrees = np.asarray(getattr(axis, "unmasked", axis).deg, dtype=np.float64)
+    return np.where(axis.mask, np.nan, degrees) if hasattr(axis, "mask") else degrees
+
+
 def directions(target: object, *, keep_missing: bool = False) -> tuple[FloatArray, FloatArray]:
     """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` in any frame or of a pair.
 
-    Missing numbers of a pair are an error, or NaN if `keep_missing`.
+    Missing numbers are an error, or NaN if `keep_missing`.
     """
     if is_of("astropy.coordinates", "SkyCoord", target):
         icrs = _icrs(target)
-        for axis in (icrs.ra, icrs.dec):
+        for axis in () if keep_missing else (icrs.ra, icrs.dec):
             check_unmasked(axis, "target", "allowed: unmasked positions")
-        return np.asarray(icrs.ra.deg, dtype=np.float64), np.asarray(icrs.dec.deg, dtype=np.float64)
+        return _degrees(icrs.ra), _degrees(icrs.dec)
     allowed = (
         "allowed: a SkyCoord, or a pair (ra, dec) of degrees or Quantity; for several positions, a tuple of an array of "
         "right ascensions and an array of declinations"
