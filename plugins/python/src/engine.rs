@@ -214,16 +214,16 @@ impl Engine {
     /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid, 4 unknown), `n_streaks`,
     /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`,
     /// `elements_age_days`, `late_s`, `streak_cost_s`. Numbers out of range are an error, or make the verdict `invalid` if
-    /// `keeps_invalid`.
-    #[pyo3(signature = (exposures, bands, keeps_invalid=false))]
+    /// `keep_invalid`.
+    #[pyo3(signature = (exposures, bands, keep_invalid=false))]
     fn judge<'py>(
         &self,
         py: Python<'py>,
         exposures: Columns<'py>,
         bands: Vec<String>,
-        keeps_invalid: bool,
+        keep_invalid: bool,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
-        let rows = exposures.to_rows(py, &bands, keeps_invalid)?;
+        let rows = exposures.to_rows(py, &bands, keep_invalid)?;
         let (flags, warnings) = failure::without_lock(py, |watch| {
             self.report(&rows, &self.policy, judge_exposures, &mut |_, _, _| {}, watch)
         })?;
@@ -248,16 +248,16 @@ impl Engine {
 
     /// Returns verdicts with reasons and the next clear start, with the columns of `streakcast flag`. For a telescope in
     /// orbit without a longest delay, later starts are searched if `seeks_starts`.
-    #[pyo3(signature = (exposures, bands, seeks_starts=false, keeps_invalid=false))]
+    #[pyo3(signature = (exposures, bands, seeks_starts=false, keep_invalid=false))]
     fn flags<'py>(
         &self,
         py: Python<'py>,
         exposures: Columns<'py>,
         bands: Vec<String>,
         seeks_starts: bool,
-        keeps_invalid: bool,
+        keep_invalid: bool,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        let rows = exposures.to_rows(py, &bands, keeps_invalid)?;
+        let rows = exposures.to_rows(py, &bands, keep_invalid)?;
         let mut policy = self.policy.clone();
         if seeks_starts {
             policy.max_delay_s = Some(policy.max_delay_or_default_s());
@@ -294,20 +294,19 @@ impl Engine {
         bands: Vec<String>,
         limits_mag: Option<Vec<f64>>,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        let exposures = exposures.to_exposures(py, false)?;
-        let bands: Vec<Option<String>> = rows(exposures.clone(), &bands)?.into_iter().map(|row| row.band).collect();
+        let rows = exposures.to_rows(py, &bands, false)?;
         let (include_dark, samples) = (self.includes_dark(include_dark), samples.unwrap_or(self.default_samples));
         if samples > streakcast::config::MOST_SAMPLES {
             let most = streakcast::config::MOST_SAMPLES;
             return Err(failure::request(format!("samples is {samples}; allowed: 0 to {most}")));
         }
         let limits_mag = limits_mag.or_else(|| {
-            let of_band = |band: &Option<String>| self.policy.limit_mag_in(band.as_deref()).unwrap_or(f64::NAN);
-            let limits_mag: Vec<f64> = bands.iter().map(of_band).collect();
+            let of_row = |row: &ScheduledExposure| self.policy.limit_mag_in(row.band.as_deref()).unwrap_or(f64::NAN);
+            let limits_mag: Vec<f64> = rows.iter().map(of_row).collect();
             limits_mag.iter().any(|limit_mag| !limit_mag.is_nan()).then_some(limits_mag)
         });
         let (table, warnings) = failure::without_lock(py, |watch| {
-            self.pass_table(&exposures, include_dark, samples, &bands, limits_mag.as_deref(), watch)
+            self.pass_table(&rows, include_dark, samples, limits_mag.as_deref(), watch)
         })?;
         Ok((columns(py, &table)?, warnings))
     }
@@ -493,10 +492,9 @@ impl Engine {
 
     fn pass_table(
         &self,
-        exposures: &[Exposure],
+        rows: &[ScheduledExposure],
         include_dark: bool,
         samples: usize,
-        bands: &[Option<String>],
         limits_mag: Option<&[f64]>,
         watch: &Watch,
     ) -> PyResult<WithWarnings<Table>> {
@@ -508,6 +506,7 @@ impl Engine {
             photometry: self.photometry,
             ..PassOptions::default()
         };
+        let exposures: Vec<&Exposure> = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).collect();
         let mut found: Vec<(usize, Arc<PreparedSky>, Vec<Pass>)> = Vec::new();
         let mut warnings = Vec::new();
         for Night { prepared, indices } in self.nights(exposures.iter().map(|exposure| exposure.start), watch)? {
@@ -524,11 +523,11 @@ impl Engine {
         let rows: Vec<StreakRow<'_>> = found
             .iter()
             .flat_map(|(index, prepared, passes)| {
-                let exposure = &exposures[*index];
-                let (request, band) = (self.request(field, prepared), bands[*index].as_deref());
+                let (exposure, row) = (exposures[*index], &rows[*index]);
+                let (request, band) = (self.request(field, prepared), row.band.as_deref());
                 let limit_mag =
                     limits_mag.and_then(|limits| limits.get(*index).copied()).filter(|limit| !limit.is_nan());
-                passes.iter().map(move |pass| request.streak_row((exposure, None), pass, band, limit_mag))
+                passes.iter().map(move |pass| request.streak_row((exposure, row.open_s), pass, band, limit_mag))
             })
             .collect();
         let columns = StreakColumns {

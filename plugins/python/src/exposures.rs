@@ -88,6 +88,9 @@ pub struct Columns<'py> {
     exposure_s: Column<'py>,
     /// Position angle of the field's y axis, degrees.
     rotation_deg: Column<'py>,
+    /// Time with open shutter, seconds, of visits that last longer.
+    #[pyo3(default)]
+    open_s: Option<Column<'py>>,
 }
 
 /// Number of rows that are converted between two checks for signals.
@@ -103,16 +106,19 @@ impl Columns<'_> {
     }
 
     /// Returns the exposures as rows of a schedule. `bands` has one entry for all or one for each. A number out of its
-    /// range is an error, or the reason of an invalid row if `keeps_invalid`.
-    pub fn to_rows(&self, py: Python<'_>, bands: &[String], keeps_invalid: bool) -> PyResult<Vec<ScheduledExposure>> {
-        if !keeps_invalid {
-            return rows(self.to_exposures(py, false)?, bands);
-        }
-        let count = self.ra_deg.as_array().len();
-        let band = bands_of(bands, count)?;
+    /// range is an error, or the reason of an invalid row if `keep_invalid`.
+    pub fn to_rows(&self, py: Python<'_>, bands: &[String], keep_invalid: bool) -> PyResult<Vec<ScheduledExposure>> {
+        let band = bands_of(bands, self.ra_deg.as_array().len())?;
+        let open_s = self.open_s.as_ref().map(|column| column.as_array());
         self.each(py, |columns, index| {
-            let exposure = columns.exposure(index, false, &str::to_owned);
-            Ok(ScheduledExposure { id: index.to_string(), row: index, band: band(index), open_s: None, exposure })
+            let name = |what: &str| if keep_invalid { what.to_owned() } else { format!("{what}[{index}]") };
+            let exposure = columns.exposure(index, false, &name);
+            if let (Err(error), false) = (&exposure, keep_invalid) {
+                return Err(PyValueError::new_err(error.clone()));
+            }
+            let is_shorter = |open_s: &f64| exposure.as_ref().is_ok_and(|exposure| *open_s < exposure.duration_s);
+            let open_s = open_s.map(|column| column[index]).filter(is_shorter);
+            Ok(ScheduledExposure { id: index.to_string(), row: index, band: band(index), open_s, exposure })
         })
     }
 
@@ -120,7 +126,8 @@ impl Columns<'_> {
         let columns = [&self.ra_deg, &self.dec_deg, &self.jd1, &self.jd2, &self.exposure_s, &self.rotation_deg];
         let views = Views(columns.map(|column| column.as_array()));
         let count = views.0[0].len();
-        if views.0.iter().any(|view| view.len() != count) {
+        let open_s = self.open_s.as_ref().map(|column| column.as_array());
+        if views.0.iter().chain(&open_s).any(|view| view.len() != count) {
             return Err(PyValueError::new_err("columns differ in length"));
         }
         (0..count)
@@ -203,6 +210,13 @@ fn bands_of(bands: &[String], exposures: usize) -> PyResult<impl Fn(usize) -> Op
         )));
     }
     Ok(|row: usize| bands.get(row).or(bands.first()).cloned())
+}
+
+/// Returns index and reason of each exposure that has a number out of its range.
+#[pyfunction]
+pub fn out_of_range(py: Python<'_>, exposures: Columns<'_>) -> PyResult<Vec<(usize, String)>> {
+    let rows = exposures.to_rows(py, &[], true)?;
+    Ok(rows.into_iter().filter_map(|row| Some((row.row, row.exposure.err()?))).collect())
 }
 
 /// Returns the lower-case name of a time scale.

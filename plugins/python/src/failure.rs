@@ -47,14 +47,14 @@ pub fn all_as_arguments<'a>(messages: impl IntoIterator<Item = &'a String>) -> V
 /// Replaces flags and names of settings by argument names, for example `--observer-elements` by `observer_elements` and
 /// `bright-share` by `bright_share`.
 pub fn as_arguments(message: &str) -> String {
-    let is_end = |c: Option<char>| !c.is_some_and(|c| c.is_ascii_alphanumeric() || "-_./\\".contains(c));
+    let is_end = |c: Option<char>| !c.is_some_and(|c| c.is_ascii_alphanumeric() || "-_./\\'".contains(c));
     let mut message = message.to_owned();
     for key in Config::QUESTIONS.iter().flat_map(|question| question.keys).filter(|key| key.contains('_')) {
         let setting = key.replace('_', "-");
         let mut at = 0;
         while let Some(found) = message[at..].find(&setting) {
             let (begin, end) = (at + found, at + found + setting.len());
-            // Not in paths and other names.
+            // Not in paths, other names and quoted values.
             let ends_sentence = message[end..].trim_start_matches('.').starts_with(char::is_whitespace);
             if is_end(message[..begin].chars().next_back()) && (ends_sentence || is_end(message[end..].chars().next()))
             {

@@ -37,6 +37,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sky_cache::setup_files, module)?)?;
     module.add_function(wrap_pyfunction!(sky_cache::replaced_keys, module)?)?;
     module.add_function(wrap_pyfunction!(exposures::utc_text, module)?)?;
+    module.add_function(wrap_pyfunction!(exposures::out_of_range, module)?)?;
     // Frames require CFITSIO, which cannot be built on Windows.
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(frames::write_frame, module)?)?;

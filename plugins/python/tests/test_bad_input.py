@@ -1,6 +1,7 @@
 """Errors contain the name of the argument, the index and the accepted values. No input causes a panic."""
 
 import gzip
+import warnings
 
 import numpy as np
 import pytest
@@ -180,11 +181,61 @@ def test_invalid_exposures_leave_the_others(model):
     for method in (model.assess, model.flag):
         with pytest.raises(ValueError, match="NaN"):
             method((ra, dec), start, exposure, scale="utc")
-        with pytest.warns(streakcast.StreakcastWarning, match=r"3 of 5 exposures are invalid .*; first row 1: ra_deg is missing"):
-            found = method((ra, dec), start, exposure, scale="utc", keep_invalid=True)
+        found = method((ra, dec), start, exposure, scale="utc", keep_invalid=True)
         verdicts = found["verdict"] if method == model.flag else found.verdict
         assert np.asarray(verdicts)[1:4].tolist() == ["invalid"] * 3
         assert np.asarray(verdicts)[[0, 4]].tolist() == expected.verdict.tolist()
+
+
+def test_invalid_numbers_are_counted_once(model):
+    """The warning has the first reason. Pointings below the horizon have no invalid numbers."""
+    dec, start = np.array([-30.5, 95.0, 89.0]), np.full(3, 61_266.98)
+    new = model.with_options()
+    expected = "1 of 3 exposures has a number missing or out of range, and is invalid; first row 1: dec is 95 deg; allowed: -90 to 90 deg"
+    with pytest.warns(streakcast.StreakcastWarning, match=expected):
+        found = new.assess((188.5, dec), start, 30.0, scale="utc", keep_invalid=True)
+    assert found.verdict[1:].tolist() == ["invalid"] * 2
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        new.assess((188.5, dec), start, 30.0, scale="utc", keep_invalid=True)
+        model.with_options().assess((188.5, dec[2]), start, 30.0, scale="utc", keep_invalid=True)
+
+
+@pytest.mark.parametrize("start", [np.nan, None, np.ma.masked, 1e9])
+def test_missing_scalars_are_invalid(model, start):
+    valid = model.assess((188.5, -30.5), 61_266.98, 30.0, scale="utc")
+    assert model.assess((188.5, -30.5), 61_266.98, 30.0, scale="utc", keep_invalid=True) == pytest.approx(valid, nan_ok=True)
+    assert model.assess((188.5, -30.5), start, 30.0, scale="utc", keep_invalid=True).verdict == "invalid"
+
+
+def test_missing_cells_are_invalid(model):
+    ra, dec, start = np.full(3, 188.5), np.full(3, -30.5), np.full(3, 61_266.98)
+    mask = [False, True, False]
+    expected = model.assess((ra, dec), start, 30.0, scale="utc").verdict.tolist()
+    expected[1] = "invalid"
+    for arguments in (
+        ((np.ma.array(ra, mask=mask), dec), start, 30.0),
+        ((ra, [-30.5, None, -30.5]), start, 30.0),
+        (SkyCoord(Masked(ra * u.deg, mask=mask), Masked(dec * u.deg, mask=mask)), start, 30.0),
+        ((ra, dec), np.ma.array(start, mask=mask), 30.0),
+        ((ra, dec), [61_266.98, None, 61_266.98], 30.0),
+        ((ra, dec), np.ma.array(start.astype(object), mask=mask), 30.0),
+        ((ra, dec), Masked(start * u.d, mask=mask), 30.0),
+        ((ra, dec), start, np.ma.array([30, 30, 30], mask=mask)),
+    ):
+        assert model.assess(*arguments, scale="utc", keep_invalid=True).verdict.tolist() == expected, arguments
+        with pytest.raises((TypeError, ValueError)):
+            model.assess(*arguments, scale="utc")
+    with pytest.raises(TypeError, match="dec contains '12d'; allowed: numbers, or None"):
+        model.assess((ra, [-30.5, None, "12d"]), start, 30.0, scale="utc", keep_invalid=True)
+    for single in (np.float32(start), np.ma.array(np.float32(start), mask=mask)):
+        with pytest.raises(TypeError, match="start is float32"):
+            model.assess((ra, dec), single, 30.0, scale="utc", keep_invalid=True)
+
+
+def test_settings_in_quoted_values_are_not_changed():
+    with pytest.raises(ValueError, match="'limit-mag'"):
+        streakcast.StreakModel(**GOOD, model="limit-mag")
 
 
 def test_numpy_numbers_are_accepted():

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sqlite3
 import sys
 import threading
 import time
@@ -225,7 +226,7 @@ def test_quiet_nights_invalid_visits_unknown_positions_and_units(data, visits, t
         distributed.Client(cluster) as client,
     ):
         options = {"streaks": True, "next_starts": True}
-        with pytest.warns(streakcast.StreakcastWarning, match="3 of 300 visits lack a number or .* are invalid; first row 0: start"):
+        with pytest.warns(streakcast.StreakcastWarning, match="5 of 300 visits have numbers missing or out of range, and are invalid; first row 0: time"):
             files = streakcast.dask.annotate(few, grown, client, tmp_path / "grown", **options)
         flags, streaks = streakcast.dask.read(files), streakcast.dask.read_streaks(files)
         assert np.flatnonzero(flags["verdict"] == "invalid").tolist() == invalid
@@ -253,12 +254,45 @@ def test_quiet_nights_invalid_visits_unknown_positions_and_units(data, visits, t
         table["band"] = few["band"][valid]
         result = streakcast.dask.read(streakcast.dask.annotate(table, grown, client, tmp_path / "units"))
     np.testing.assert_array_equal(result["streak_length_deg"], expected.streak_length_deg)
-    with pytest.raises(TypeError, match="a column of visits contains '12h30m'; allowed: numbers"):
+    with pytest.raises(TypeError, match="ra_deg contains '12h30m'; allowed: numbers"):
         texts = np.full(len(few["ra_deg"]), "12h30m", dtype=object)
         streakcast.dask.annotate({**few, "ra_deg": texts}, grown, None, tmp_path)
     without = {name: column for name, column in few.items() if name != "exposure_s"}
     with pytest.raises(ValueError, match="missing columns of visits exposure_s"):
         streakcast.dask.annotate({**without, "visitTime": few["start"], "numExposures": few["start"]}, grown, None, tmp_path)
+
+
+@pytest.mark.parametrize("name", ["numExposures", "nexp", None])
+def test_visits_of_several_snaps_last_as_in_databases(visits, survey_model, tmp_path, name):
+    """The same rows through `StreakModel.annotate`."""
+    model = survey_model.with_options(policy={"max_cost_s": 2.1})
+    cells = [(30.0, 34.0, 1), (30.0, 300.0, 2), (30.0, 34.0, None), (30.0, 34.0, 0), (30.0, None, 2), (30.0, 29.0, 2)]
+    cells += [(30.0, None, None), (30.0, 20.0, None), (30.0, -1.0, None), (30.0, -1.0, 1), (30.0, 34.0, -1), (0.0, 34.0, 0), (None, 34.0, 2)]
+    open_s, visit_s, snaps = ([row[column] for row in cells] * 12 for column in range(3))
+    count = len(open_s)
+    opsim = {"observationId": np.arange(count), "fieldRA": visits["ra_deg"][:count], "fieldDec": visits["dec_deg"][:count]}
+    opsim |= {"observationStartMJD": visits["start"][:count], "band": visits["band"][:count]}
+    opsim |= {"visitExposureTime": open_s, "visitTime": visit_s} | ({name: snaps} if name else {})
+    path = tmp_path / "opsim.db"
+    with sqlite3.connect(path) as base:
+        base.execute(f"CREATE TABLE observations ({', '.join(opsim)})")
+        rows = zip(*(column.tolist() if hasattr(column, "tolist") else column for column in opsim.values()))
+        base.executemany(f"INSERT INTO observations VALUES ({', '.join('?' * len(opsim))})", rows)
+    model.annotate(path, tmp_path / "annotated.db")
+    with sqlite3.connect(tmp_path / "annotated.db") as base:
+        names = "verdict, streak_length_deg, streak_cost_s"
+        expected = base.execute(f"SELECT {names} FROM streak_flags ORDER BY CAST(exposure_id AS INTEGER)").fetchall()
+    # The cost of streaks in all of `visitTime` would be ten times as large, and most of these visits `avoid`.
+    assert name is None or [verdict for (verdict, *_), snap in zip(expected, snaps) if snap == 2].count("streaked") > 2
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        table = {key: np.array(column, dtype=object) if key in (name, "visitExposureTime", "visitTime") else column for key, column in opsim.items()}
+        found = streakcast.dask.read(streakcast.dask.annotate(table, model, client, tmp_path / "nights"))
+    assert found["verdict"].tolist() == [verdict for verdict, *_ in expected]
+    for index, column in ((1, "streak_length_deg"), (2, "streak_cost_s")):
+        np.testing.assert_allclose(found[column], [np.nan if row[index] is None else row[index] for row in expected], atol=1e-3)
 
 
 def test_all_columns_are_documented():

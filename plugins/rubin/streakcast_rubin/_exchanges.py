@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,9 @@ from ._arrays import FloatArray
 
 #: Largest number of exchanges that a queue manager keeps; ten years of Rubin have 100 to 200 thousand.
 MOST_EXCHANGES = 500_000
-#: Largest difference between the predicted shutter opening of an exchanged visit and its start, days.
-SAME_VISIT_DAY = 60.0 / 86_400.0
+#: Largest difference between the predicted shutter opening of an exchanged visit and its start, seconds: for visits with
+#: the same ``target_id``, and for those without, which are matched by time. Successive visits start 40 s apart.
+SAME_TARGET_S, NEAREST_S = 60.0, 10.0
 
 Columns = Mapping[str, Any]
 
@@ -61,10 +62,13 @@ def write(table: Columns, path: Union[str, "os.PathLike[str]"]) -> None:
 
 
 def of_visits(
-    exchanges: Union[Columns, str, "os.PathLike[str]"], start_mjd: FloatArray, band: npt.NDArray[Any]
+    exchanges: Union[Columns, str, "os.PathLike[str]"],
+    start_mjd: FloatArray,
+    band: npt.NDArray[Any],
+    target_id: Optional[FloatArray] = None,
 ) -> dict[str, FloatArray]:
-    """Returns the number of exchanges, their saved time and detour for each visit: an exchange is that of the nearest visit
-    of its band.
+    """Returns the number of exchanges, their saved time and detour for each visit: an exchange is that of the visit with its
+    `target_id`, if the visits have different ones, or else of the nearest visit of its band.
 
     Raises
     ------
@@ -85,6 +89,9 @@ def of_visits(
         raise ValueError(f"the exchanges lack the column {', '.join(missing)}; allowed: StreakQueueManager.exchanges, or a file of write_exchanges")
     mjd, bands, saved_s, detour_s = (np.asarray(table[name]) for name in ("mjd", "band", "saved_s", "detour_s"))
     start_mjd, band = np.asarray(start_mjd, dtype=float), np.asarray(band)
+    has_targets = "target_id" in table and target_id is not None and np.unique(target_id).size == len(start_mjd)
+    targets = np.asarray(table["target_id"]) if has_targets else None
+    most_s = SAME_TARGET_S if has_targets else NEAREST_S
     found = {name: np.zeros(len(start_mjd)) for name in ("exchanged_visits", "saved_s", "detour_s")}
     assigned = 0
     for one in np.unique(bands):
@@ -93,16 +100,25 @@ def of_visits(
             continue
         visits = visits[np.argsort(start_mjd[visits], kind="stable")]
         of_band = np.flatnonzero(bands == one)
-        after = np.searchsorted(start_mjd[visits], mjd[of_band])
-        neighbours = np.clip(np.stack([after - 1, after]), 0, visits.size - 1)
-        apart = np.abs(start_mjd[visits[neighbours]] - mjd[of_band])
-        nearest = visits[np.take_along_axis(neighbours, apart.argmin(axis=0)[None], axis=0)[0]]
-        same = apart.min(axis=0) <= SAME_VISIT_DAY
+        if targets is not None and target_id is not None:
+            # Visits with another identifier are not the same, whatever their time.
+            visits = visits[np.argsort(target_id[visits])]
+            nearest = visits[np.clip(np.searchsorted(target_id[visits], targets[of_band]), 0, visits.size - 1)]
+            same = target_id[nearest] == targets[of_band]
+        else:
+            after = np.searchsorted(start_mjd[visits], mjd[of_band])
+            neighbours = np.clip(np.stack([after - 1, after]), 0, visits.size - 1)
+            apart = np.abs(start_mjd[visits[neighbours]] - mjd[of_band])
+            nearest = visits[np.take_along_axis(neighbours, apart.argmin(axis=0)[None], axis=0)[0]]
+            same = np.ones(nearest.shape, dtype=bool)
+        same &= np.abs(start_mjd[nearest] - mjd[of_band]) <= most_s / 86_400.0
         assigned += int(same.sum())
         np.add.at(found["exchanged_visits"], nearest[same], 1.0)
         np.add.at(found["saved_s"], nearest[same], saved_s[of_band][same])
         np.add.at(found["detour_s"], nearest[same], detour_s[of_band][same])
     if assigned < len(mjd):
-        message = f"{len(mjd) - assigned} of {len(mjd)} exchanges are of no visit of the survey: no visit of the band starts within 60 s"
+        of_target = " with the target_id" if has_targets else ""
+        count = f"{len(mjd) - assigned} of {len(mjd)} exchanges are of no visit of the survey"
+        message = f"{count}: no visit of the band{of_target} starts within {most_s:.0f} s"
         warnings.warn(message, StreakcastWarning, stacklevel=3)
     return found

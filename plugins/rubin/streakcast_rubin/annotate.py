@@ -35,7 +35,7 @@ def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, N
     Warns
     -----
     StreakcastWarning
-        Visits are invalid.
+        Visits have numbers that are missing or out of range.
     """
     scale = scale_of(model, mjd_scale)
     target, rotation, bands = pointings(visits)

@@ -44,9 +44,9 @@ class StreakStacker(BaseStacker):
 
     def _run(self, sim_data: Visits, cols_present: bool = False) -> Visits:
         if not cols_present:
-            lost = sim_data[self.cost_col].astype(float) / sim_data[self.exp_time_col]
-            sim_data["streak_cost_fraction"] = lost
-            with np.errstate(divide="ignore"):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                lost = sim_data[self.cost_col].astype(float) / sim_data[self.exp_time_col]
+                sim_data["streak_cost_fraction"] = lost
                 sim_data["fiveSigmaDepth_streaks"] = sim_data[self.m5_col] + 1.25 * np.log10(np.maximum(1.0 - lost, 0.0))
         return sim_data
 
@@ -84,9 +84,9 @@ class StreakCoaddLossMetric(BaseMetric):
         super().__init__(col=[cost_col, exp_time_col], **{"metric_name": "Streak coadd loss", "units": "mag", **kwargs})
 
     def run(self, data_slice: Visits, slice_point: Any = None) -> Any:
-        cost_s = data_slice[self.cost_col].astype(float)
-        known = np.isfinite(cost_s)
-        open_s = data_slice[self.exp_time_col][known].sum()
+        cost_s, exposure_s = (data_slice[name].astype(float) for name in (self.cost_col, self.exp_time_col))
+        known = np.isfinite(cost_s) & np.isfinite(exposure_s)
+        open_s = exposure_s[known].sum()
         if not cost_s[known].sum() < open_s:
             return self.badval
         return -1.25 * np.log10(1.0 - cost_s[known].sum() / open_s)

@@ -101,6 +101,8 @@ class StreakQueueManager(BaseQueueManager):
         self._dispatched, self._owner = DispatchedVisits(), Owner()
         self._exchanges: deque[Exchange] = deque(maxlen=MOST_EXCHANGES)
         self._choosing = False
+        # Exchange of this request, which counts if no detailer drops its visit, with texts about the first visit.
+        self._pending: Union[tuple[Exchange, str, str], None] = None
 
     @property
     def counts(self) -> Counter[str]:
@@ -120,7 +122,7 @@ class StreakQueueManager(BaseQueueManager):
 
     def request_observation(self, conditions: Any, whole_queue: bool = False, n_return: int = 1) -> Any:
         """Returns the chosen visit; with `whole_queue` all valid visits in queue order, after the chosen one."""
-        self._choosing = True
+        self._choosing, self._pending = True, None
         try:
             result = super().request_observation(conditions, whole_queue=whole_queue, n_return=n_return)
         finally:
@@ -128,6 +130,8 @@ class StreakQueueManager(BaseQueueManager):
         if np.size(result) == 0:
             # If a detailer has dropped the chosen visit, the default visit is returned.
             result = super().request_observation(conditions, whole_queue=whole_queue, n_return=n_return)
+        elif self._pending is not None and self._pending[0].target_id == np.ravel(result["target_id"])[0]:
+            self._account(*self._pending)
         return result
 
     def find_valid_observations_indx(self, conditions: Any, mjd: Union[float, None] = None) -> Any:
@@ -212,7 +216,7 @@ class StreakQueueManager(BaseQueueManager):
                 float(openings.start_mjd[chosen]), int(one["target_id"]), str(one["band"]), int(first["target_id"]),
                 float(costs.cost_s[0]), float(costs.cost_s[chosen]), float(detour_s[chosen]),
             )  # fmt: skip
-            self._account(exchange, _visit_text(first), _crossing_text(costs, 0))
+            self._pending = exchange, _visit_text(first), _crossing_text(costs, 0)
         return int(indices[chosen])
 
     def _has_coordinates(self, visits: Any) -> BoolArray:

@@ -25,6 +25,9 @@ FIELD_RADIUS_DEG = 1.75
 OBSERVATIONS = {"fieldRA": "deg", "fieldDec": "deg", "observationStartMJD": "mjd", "visitExposureTime": "s", "sunAlt": "deg"}
 FLAGS = ("verdict", "n_streaks", "expected_lost_pixel_fraction", "streak_cost_s")
 
+#: Column of ``observations`` that is read if the table has it: the identifier of a visit in the scheduler.
+TARGET = "target_id"
+
 #: Name of the lost fraction of pixels in the tables of `streakcast.dask`.
 OF_DASK = {"expected_lost_pixel_fraction": "lost_fraction"}
 
@@ -49,20 +52,21 @@ def survey_summary(
         Ascending borders of the bins in ``sunAlt``, the altitude of the Sun, degrees.
     exchanges : mapping of columns or path, optional
         ``exchanges`` of the `StreakQueueManager` of the survey, or a file of its `write_exchanges`. An exchange is that of
-        the visit of its band whose start is nearest to the predicted shutter opening, and at most 60 s from it.
+        the visit of its band with its ``target_id`` that starts at most 60 s from the predicted shutter opening; or, if the
+        table of visits has no different ``target_id``, of the nearest visit of its band, at most 10 s from it.
 
     Returns
     -------
     dict of arrays, ``(n_bins,)`` each
         One row for each year, band and bin with visits: ``year`` (from 1, of 365.25 days from the first visit),
         ``band``, ``sun_min_deg``, ``sun_max_deg``, ``visits``, ``unknown_visits`` (verdict ``unknown`` or ``invalid``;
-        all other columns are for the rest, and NaN if there are none), ``streaked_fraction``, ``bright_fraction``
+        the following columns are for the rest, and NaN if there are none), ``streaked_fraction``, ``bright_fraction``
         (expected fraction of visits with a streak that is brighter per pixel than that of a satellite at 550 km of the
         telescope's ``bright_mag``, by default 7; NaN without the table ``streaks``), ``avoid_fraction``,
         ``streak_cost_s`` (mean, seconds of open shutter), ``streak_cost_fraction`` (of the open shutter),
         ``lost_pixel_fraction`` (mean), and ``coadd_loss_mag``, the loss in depth of all visits of the row. With
-        `exchanges` also ``exchanged_visits``, and sums over these: ``saved_s``, seconds of open shutter, and ``detour_s``,
-        seconds of the night.
+        `exchanges` also ``exchanged_visits``, and sums over these, also of unknown effects: ``saved_s``, seconds of open
+        shutter, and ``detour_s``, seconds of the night.
 
     Raises
     ------
@@ -79,11 +83,9 @@ def survey_summary(
     if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0.0).all():
         raise ValueError(f"sun_edges_deg is {sun_edges_deg}; allowed: at least two ascending altitudes, degrees")
     visits = _read(annotated)
-    if not len(visits["band"]):
-        return {}
     start_mjd = visits["observationStartMJD"]
     dated = np.isfinite(start_mjd)
-    of_exchanges = {} if exchanges is None else of_visits(exchanges, start_mjd, visits["band"])
+    of_exchanges = {} if exchanges is None else of_visits(exchanges, start_mjd, visits["band"], visits.get(TARGET))
     year = np.zeros(len(start_mjd), dtype=int)
     if dated.any():
         year[dated] = (start_mjd[dated] - start_mjd[dated].min()) // 365.25 + 1
@@ -216,14 +218,15 @@ def _of_database(path: Path) -> tuple[dict[str, Sequence[Any]], Optional[dict[st
             repeated = "SELECT exposure_id FROM streak_flags GROUP BY exposure_id HAVING count(*) > 1 LIMIT 1"
             for (number,) in base.execute(repeated):
                 raise ValueError(f"{path}: observationId {number} has several different visits; allowed: unique numbers")
-            selected = ", ".join([*(f"o.{name}" for name in ("observationId", *OBSERVATIONS, band)), *(f"f.{name}" for name in FLAGS)])
+            targets = [TARGET] if TARGET in has else []
+            selected = ", ".join([*(f"o.{name}" for name in ("observationId", *OBSERVATIONS, band, *targets)), *(f"f.{name}" for name in FLAGS)])
             has_streaks = {"exposure_id", "probability", "p_bright"} <= set(of_streaks)
             streaks = base.execute("SELECT exposure_id, probability, p_bright FROM streaks").fetchall() if has_streaks else None
             # A visit that is repeated in all columns counts once.
             rows = base.execute(f"SELECT DISTINCT {selected} FROM observations o LEFT JOIN streak_flags f ON o.observationId = f.exposure_id").fetchall()
     except sqlite3.Error as error:
         raise ValueError(f"{path}: {error}") from error
-    names = ("observationId", *OBSERVATIONS, "band", *FLAGS)
+    names = ("observationId", *OBSERVATIONS, "band", *targets, *FLAGS)
     columns: dict[str, Sequence[Any]] = dict(zip(names, zip(*rows) if rows else ((),) * len(names)))
     return columns, None if streaks is None else _p_bright(streaks)
 
@@ -245,7 +248,9 @@ def _of_tables(visits: Columns, flags: Columns, streaks: Optional[Columns] = Non
         if getattr(column, "unit", None) is not None:
             column = getattr(column, "quantity", column)
         columns[name] = np.asarray(column.to_value(unit) if hasattr(column, "to_value") else column)[rows].tolist()
-    columns["band"] = np.asarray(visits[band])[rows].tolist()
+    for name, column in (("band", band), (TARGET, TARGET)):
+        if column in names:
+            columns[name] = np.asarray(visits[column])[rows].tolist()
     for name, of_flag in of_flags.items():
         columns[name] = np.ma.asarray(flags[of_flag]).tolist()
     of_streaks = None if streaks is None else [np.ma.asarray(streaks[name]).tolist() for name in ("visit", "probability", "p_bright")]

@@ -47,8 +47,10 @@ def test_an_invalid_visit_leaves_the_others(opsim, models):
     visits = opsim[1][:8].copy()
     expected = visit_columns(visits, models[4408])
     visits["RA"][2], visits["mjd"][5], visits["exptime"][6] = np.nan, np.nan, -1.0
-    with pytest.warns(StreakcastWarning, match=r"3 of 8 exposures are invalid .*; first row 2: ra_deg is missing"):
-        found = visit_columns(visits, models[4408])
+    with pytest.warns(StreakcastWarning, match="3 of 8 exposures have numbers missing or out of range, .*; first row 2: ra is NaN deg"):
+        found = visit_columns(visits, models[4408].with_options())
+    with pytest.raises(TypeError, match="start is float32"):
+        visit_columns(visits.astype([(name, "f4" if name == "mjd" else kind) for name, (kind, *_) in visits.dtype.fields.items()]), models[4408])
     assert np.flatnonzero(found["verdict"] == "invalid").tolist() == [2, 5, 6]
     valid = [0, 1, 3, 4, 7]
     assert found["verdict"][valid].tolist() == expected["verdict"][valid].tolist()

@@ -1,6 +1,7 @@
 """Stacker and metric for MAF, with rubin_sim; skipped if that is not installed."""
 
 import re
+import warnings
 from pathlib import Path
 
 import night
@@ -59,6 +60,14 @@ def test_unknown_and_lost_visits():
     np.testing.assert_allclose(added["fiveSigmaDepth_streaks"], [24.0 + 1.25 * np.log10(0.9), np.nan, -np.inf])
     metric = streaks.StreakCoaddLossMetric()
     assert metric.run(visits[:2]) == pytest.approx(-1.25 * np.log10(0.9))
+    # A visit without an exposure time does not count, and one of 0 s is no warning.
+    visits["visitExposureTime"][2] = np.nan
+    assert metric.run(visits) == pytest.approx(-1.25 * np.log10(0.9))
+    visits["visitExposureTime"][2] = 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert streaks.StreakStacker().run(visits)["fiveSigmaDepth_streaks"][2] == -np.inf
+    visits["visitExposureTime"][2] = 30.0
     assert metric.run(visits[1:2]) == metric.run(visits[2:]) == metric.badval
 
 

@@ -33,6 +33,19 @@ def test_the_visit_with_the_least_cost_is_dispatched(ready, model, take_over, co
     assert (counts["asked"], counts["compared"]) == (3, 12)
 
 
+def test_an_exchange_counts_if_its_visit_is_dispatched(ready, model, take_over, costly):
+    """A detailer drops the chosen visit: the default visit is dispatched."""
+    scheduler = take_over(ready, manager_of(model))
+    queue = ids(scheduler.return_active_queue())
+    manager = scheduler.queue_manager
+    manager.detailers = [lambda visits, conditions: visits[visits["target_id"] != queue[2]]]
+    costly([COST_S, COST_S, 0.0, *[COST_S] * 9])
+    assert ids(scheduler.request_observation()) == [queue[0]]
+    whole = ids(manager.request_observation(scheduler.conditions, whole_queue=True))
+    assert queue[2] not in whole and len(whole) == len(queue) - 1
+    assert manager.counts["exchanged"] == 0 and not manager.exchanges["mjd"].size
+
+
 def test_if_all_visits_are_crossed_the_least_cost_is_dispatched(ready, model, take_over, costly):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())

@@ -107,6 +107,20 @@ def test_exchanges_are_summed_by_row(annotated, tmp_path):
         survey_summary(annotated, exchanges=tmp_path / "none.ecsv")
 
 
+def test_an_exchange_is_that_of_its_target(annotated):
+    """Visits start 40 s apart: the nearest one may be another one."""
+    with sqlite3.connect(annotated) as base:
+        base.execute("ALTER TABLE observations ADD COLUMN target_id INTEGER")
+        base.execute("UPDATE observations SET target_id = 100 - observationId")
+        base.execute("UPDATE observations SET observationStartMJD = 61780.1 + 40.0 / 86400.0, sunAlt = -13.0 WHERE observationId = 6")
+    late = {"mjd": np.full(2, 61_780.1 + 35.0 / 86_400.0), "band": ["r", "r"], "saved_s": [2.0, 7.0], "detour_s": [1.0, 7.0]}
+    with pytest.warns(StreakcastWarning, match="1 of 2 exchanges are of no visit of the survey: no visit of the band with the target_id"):
+        rows = survey_summary(annotated, exchanges={**late, "target_id": [95, 33]})
+    assert rows["saved_s"][(rows["year"] == 2) & (rows["band"] == "r")].tolist() == [2.0, 0.0]
+    # Without identifiers, the next visit is the nearest one, within 10 s.
+    assert survey_summary(annotated, exchanges=late)["saved_s"].tolist() == [0.0, 0.0, 0.0, 9.0, 0.0]
+
+
 def test_repeated_rows_count_once(annotated):
     before = survey_summary(annotated)
     with sqlite3.connect(annotated) as base:
@@ -146,6 +160,8 @@ def test_visits_without_a_start_and_empty_databases(annotated):
     with sqlite3.connect(annotated) as base:
         base.execute("DELETE FROM observations")
     assert survey_summary(annotated) == {} and survey_maps(annotated)["visits"].sum() == 0
+    with pytest.raises(ValueError, match="lack the column mjd"):
+        survey_summary(annotated, exchanges={})
 
 
 def test_without_streaks_the_share_of_bright_ones_is_unknown(annotated):

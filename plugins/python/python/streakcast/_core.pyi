@@ -187,6 +187,7 @@ def sky_magnitudes(
     height_km: float,
 ) -> tuple[FloatArray, FloatArray]: ...
 def utc_text(jd1: float, jd2: float) -> str: ...
+def out_of_range(exposures: Mapping[str, FloatArray]) -> list[tuple[int, str]]: ...
 def inject(
     request: str,
     setup: str,
@@ -229,14 +230,14 @@ class Engine:
     @property
     def default_rotation_deg(self) -> float: ...
     def judge(
-        self, exposures: Mapping[str, FloatArray], bands: Sequence[str], keeps_invalid: bool = False
+        self, exposures: Mapping[str, FloatArray], bands: Sequence[str], keep_invalid: bool = False
     ) -> tuple[Judged, list[str]]: ...
     def flags(
         self,
         exposures: Mapping[str, FloatArray],
         bands: Sequence[str],
         seeks_starts: bool = False,
-        keeps_invalid: bool = False,
+        keep_invalid: bool = False,
     ) -> tuple[list[Column], list[str]]: ...
     def annotate(
         self, schedule: str, output: str, scale: Optional[str] = None, replace: bool = False

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._results import FIRST_UNJUDGED, VERDICTS, Assessment, ClearWindows
 from ._quantities import aligned, check_unmasked, count, directions, number, scalar
 from ._setup import absolute
 from ._site_queries import SiteQueries
 from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
-from ._times import is_mjd, to_tai, to_tai_or_nan
-from ._warnings import warn
+from ._times import to_tai, to_tai_or_nan
 from .typing import (
     FloatArray,
     FloatArrayLike,
@@ -71,8 +71,8 @@ class ExposureQueries(SiteQueries):
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers (MJD) in ``start``; default: the model's ``mjd_scale``.
         keep_invalid : bool
-            Whether exposures with NaN or numbers out of range have the verdict ``invalid``, with a warning that counts
-            them; otherwise they are an error.
+            Whether exposures with missing numbers (NaN, masked or `None`) or numbers out of range have the verdict
+            ``invalid``, with a warning that counts them; otherwise they are an error.
 
         Returns
         -------
@@ -91,15 +91,15 @@ class ExposureQueries(SiteQueries):
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale, keep_invalid)
         columns = self._judged(exposures, bands, keep_invalid)
         if keep_invalid:
-            _warn_of_invalid(columns["verdict"], exposures)
+            self._warn_of_invalid(columns["verdict"], exposures)
         if shape == ():
             # A masked number is None.
             return Assessment(**{name: column.tolist()[0] for name, column in columns.items()})
         return Assessment(**{name: column.reshape(shape) for name, column in columns.items()})
 
-    def _judged(self, exposures: Mapping[str, FloatArray], bands: Sequence[str], keeps_invalid: bool = False) -> dict[str, Any]:
+    def _judged(self, exposures: Mapping[str, FloatArray], bands: Sequence[str], keep_invalid: bool = False) -> dict[str, Any]:
         """Returns the columns of an `Assessment`. Numbers out of range are an error, or make an exposure ``invalid``."""
-        result, messages = self._engine.judge(exposures, bands, keeps_invalid)
+        result, messages = self._engine.judge(exposures, bands, keep_invalid)
         self._warn_once(messages)
         columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]]}
         columns["n_streaks"] = _masked(result["n_streaks"], result["verdict"] >= FIRST_UNJUDGED)
@@ -143,13 +143,13 @@ class ExposureQueries(SiteQueries):
         exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale, keep_invalid)
         table = self._flagged(exposures, bands, output, keep_invalid)
         if keep_invalid:
-            _warn_of_invalid(np.asarray(table["verdict"]), exposures)
+            self._warn_of_invalid(table["verdict"], exposures)
         return table
 
     def _flagged(
-        self, exposures: Mapping[str, FloatArray], bands: Sequence[str], output: Output, keeps_invalid: bool = False
+        self, exposures: Mapping[str, FloatArray], bands: Sequence[str], output: Output, keep_invalid: bool = False
     ) -> Table:
-        columns, messages = self._engine.flags(exposures, bands, False, keeps_invalid)
+        columns, messages = self._engine.flags(exposures, bands, False, keep_invalid)
         self._warn_once(messages)
         return table_of(_with_integer_ids(columns), output, main=FLAGS)
 
@@ -286,7 +286,18 @@ class ExposureQueries(SiteQueries):
         limits = None if limit_mag is None else _limits(limit_mag, shape)
         is_dark = None if include_dark is None else bool(include_dark)
         points = None if samples is None else count(samples, "samples", 0)
-        columns, messages = self._engine.passes(exposures, is_dark, points, bands, limits)
+        return self._crossings(exposures, bands, output, is_dark, points, limits)
+
+    def _crossings(
+        self,
+        exposures: Mapping[str, FloatArray],
+        bands: Sequence[str],
+        output: Output,
+        include_dark: bool | None = None,
+        samples: int | None = None,
+        limits_mag: list[float] | None = None,
+    ) -> Table:
+        columns, messages = self._engine.passes(exposures, include_dark, samples, bands, limits_mag)
         self._warn_once(messages)
         return table_of(_with_integer_ids(columns), output, main=PASSES)
 
@@ -409,14 +420,12 @@ class ExposureQueries(SiteQueries):
         scale: str | None,
         keep_invalid: bool = False,
     ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
-        ra, dec = directions(target)
-        if keep_invalid and is_mjd(start):
-            jd1, jd2 = to_tai_or_nan(cast(FloatArrayLike, start), self._scale(scale), "start")
-        else:
-            jd1, jd2 = to_tai(start, self._scale(scale), "start")
+        ra, dec = directions(target, keep_missing=keep_invalid)
+        jd1, jd2 = (to_tai_or_nan if keep_invalid else to_tai)(start, self._scale(scale), "start")
         if rotation is None:
             rotation = self._engine.default_rotation_deg
-        length, angle = number(exposure, "s", "exposure"), number(rotation, "deg", "rotation")
+        length = number(exposure, "s", "exposure", keep_missing=keep_invalid)
+        angle = number(rotation, "deg", "rotation", keep_missing=keep_invalid)
         names = ("ra_deg", "dec_deg", "jd1", "jd2", "exposure_s", "rotation_deg")
         parts = (ra, dec, jd1, jd2, length, angle)
         try:
@@ -432,16 +441,21 @@ class ExposureQueries(SiteQueries):
         bands = [] if band is None else _band_names(band)
         return exposures, bands, shape
 
+    def _warn_of_invalid(self, verdicts: "npt.ArrayLike", exposures: Mapping[str, FloatArray]) -> None:
+        """Issues a warning with the number of exposures that have a number out of range, and the first one."""
+        if "invalid" in np.asarray(verdicts):
+            self._warn_once(invalid_numbers(exposures, "exposures"))
 
-def _warn_of_invalid(verdicts: "npt.NDArray[Any]", exposures: Mapping[str, FloatArray]) -> None:
-    """Issues a warning with the number of invalid exposures and the first one."""
-    rows = np.flatnonzero(verdicts == "invalid")
-    if rows.size:
-        row = int(rows[0])
-        missing = [name.replace("jd1", "start") for name, column in exposures.items() if not np.isfinite(column[row])]
-        reason = f": {missing[0]} is missing or out of range" if missing else ""
-        count = f"{rows.size} of {verdicts.size} exposures {'is' if rows.size == 1 else 'are'} invalid"
-        warn(f"{count} (a number is missing or out of range, or the pointing is below the horizon); first row {row}{reason}")
+
+def invalid_numbers(exposures: Mapping[str, FloatArray], what: str) -> list[str]:
+    """Returns a warning with the number of exposures that have a number missing or out of range; none if there are none."""
+    invalid = _core.out_of_range(exposures)
+    if not invalid:
+        return []
+    row, reason = invalid[0]
+    verbs = ("has a number", "is") if len(invalid) == 1 else ("have numbers", "are")
+    count = f"{len(invalid)} of {len(exposures['ra_deg'])} {what}"
+    return [f"{count} {verbs[0]} missing or out of range, and {verbs[1]} invalid; first row {row}: {reason}"]
 
 
 def _band_names(band: TextLike) -> list[str]:

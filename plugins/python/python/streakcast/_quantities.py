@@ -49,12 +49,15 @@ def aligned(array: "npt.NDArray[Scalar]", dtype: np.dtype[Scalar] | None = None)
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 
 
-def number(value: object, unit: str, what: str) -> FloatArray:
+def number(value: object, unit: str, what: str, *, keep_missing: bool = False) -> FloatArray:
     """Returns a number or array in the given unit. A number without a unit is taken to be in this unit.
 
-    An empty unit accepts numbers without a unit and dimensionless quantities.
+    An empty unit accepts numbers without a unit and dimensionless quantities. Missing numbers (masked, `None` or NA of
+    pandas) are an error, or NaN if `keep_missing`.
     """
     allowed = f"allowed: a number of {unit} or a Quantity" if unit else "allowed: a number without a unit"
+    if keep_missing:
+        value = _missing_as_nan(value, what)
     check_unmasked(value, what, allowed)
     if is_quantity(value):
         return _converted(value, unit, what, allowed)
@@ -70,6 +73,28 @@ def number(value: object, unit: str, what: str) -> FloatArray:
         return array.astype(np.float64)
     except (TypeError, ValueError):
         raise TypeError(f"{what} is {type(value).__name__}; {allowed}") from None
+
+
+def _missing_as_nan(value: Any, what: str) -> object:
+    """Returns a value with NaN in place of masked cells, `None` and other objects of an object array."""
+    if isinstance(value, np.ma.MaskedArray) and value.dtype.kind in "iufO":
+        value = np.ma.filled(value if value.dtype == object else value.astype(np.float64), np.nan)
+    if hasattr(type(value), "unmasked"):
+        return value.filled(np.nan)
+    if is_quantity(value) or isinstance(value, (list, tuple)) and _contains_quantity(value):
+        return value
+    array = np.asarray(value)
+    return np.reshape([_float(cell, what) for cell in array.flat], array.shape) if array.dtype == object else value
+
+
+def _float(cell: Any, what: str) -> float:
+    """Returns a number; NaN for `None`, pandas' NA and other objects. Text is an error."""
+    if isinstance(cell, str):
+        raise TypeError(f"{what} contains '{cell[:40]}'; allowed: numbers, or None where they are missing")
+    try:
+        return float(cell)
+    except (TypeError, ValueError):
+        return float("nan")
 
 
 def _contains_quantity(items: Sequence[object]) -> bool:
@@ -127,13 +152,22 @@ def _icrs(target: object) -> Any:
         raise ValueError(f"target cannot be converted to ICRS: {error}; allowed: a frame with time and place") from None
 
 
-def directions(target: object) -> tuple[FloatArray, FloatArray]:
-    """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` in any frame or of a pair."""
+def _degrees(axis: Any) -> FloatArray:
+    """Returns a coordinate in degrees, NaN if it is masked."""
+    degrees = np.asarray(getattr(axis, "unmasked", axis).deg, dtype=np.float64)
+    return np.where(axis.mask, np.nan, degrees) if hasattr(axis, "mask") else degrees
+
+
+def directions(target: object, *, keep_missing: bool = False) -> tuple[FloatArray, FloatArray]:
+    """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` in any frame or of a pair.
+
+    Missing numbers are an error, or NaN if `keep_missing`.
+    """
     if is_of("astropy.coordinates", "SkyCoord", target):
         icrs = _icrs(target)
-        for axis in (icrs.ra, icrs.dec):
+        for axis in () if keep_missing else (icrs.ra, icrs.dec):
             check_unmasked(axis, "target", "allowed: unmasked positions")
-        return np.asarray(icrs.ra.deg, dtype=np.float64), np.asarray(icrs.dec.deg, dtype=np.float64)
+        return _degrees(icrs.ra), _degrees(icrs.dec)
     allowed = (
         "allowed: a SkyCoord, or a pair (ra, dec) of degrees or Quantity; for several positions, a tuple of an array of "
         "right ascensions and an array of declinations"
@@ -143,4 +177,5 @@ def directions(target: object) -> tuple[FloatArray, FloatArray]:
         raise TypeError(f"target is a list of sequences; {allowed}")
     if not isinstance(target, (tuple, list)) or len(target) != 2:
         raise TypeError(f"target is {type(target).__name__}; {allowed}")
-    return number(target[0], "deg", "ra"), number(target[1], "deg", "dec")
+    ra, dec = (number(part, "deg", what, keep_missing=keep_missing) for part, what in zip(target, ("ra", "dec")))
+    return ra, dec

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._quantities import check_unmasked, is_quantity, number
-from .typing import FloatArray, FloatArrayLike, TimeLike
+from .typing import FloatArray, TimeLike
 
 #: MJD in the years of which streakcast knows the time scales.
 MJD_RANGE = (35_840.0, 88_068.0)
@@ -50,11 +50,8 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
         return _from_mjd(np.asarray(value, dtype=np.float64), scale, what)
     if isinstance(value, (str, datetime.datetime)):
         return _from_text(np.asarray(_text(value, what)), scale, what)
-    given = np.asarray(getattr(value, "value", value))
-    if scale is not None and given.size > 0 and given.dtype.kind == "f" and given.dtype.itemsize < 8:
-        raise TypeError(
-            f"{what} is {given.dtype}, which has MJD in steps of {_step_s(given):.0f} s; allowed: float64, or a Time"
-        )
+    if scale is not None:
+        _check_precision(value, what)
     if is_quantity(value):
         value = number(value, "d", what)
     array = np.asarray(value)
@@ -77,18 +74,34 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
     raise TypeError(f"{what} is {type(value).__name__}, not a time; {_ALLOWED}")
 
 
-def is_mjd(value: object) -> bool:
-    """Returns true for arrays and lists of numbers, which are MJD."""
-    return not is_time(value) and not isinstance(value, TwoPartTai) and np.asarray(value).dtype.kind in "iuf"
+def to_tai_or_nan(value: TimeLike, scale: str | None, what: str) -> tuple[FloatArray, FloatArray]:
+    """Returns the same as `to_tai`; NaN for missing MJD (masked or `None`) and MJD out of range."""
+    if not _is_mjd(value):
+        return to_tai(value, scale, what)
+    _check_precision(value, what)
+    mjd = number(value, "d", what, keep_missing=True)
+    known = (mjd > MJD_RANGE[0]) & (mjd < MJD_RANGE[1])
+    parts = np.full((2, *mjd.shape), np.nan)
+    parts[:, known] = to_tai(mjd[known], scale, what)
+    return np.asarray(parts[0]), np.asarray(parts[1])
 
 
-def to_tai_or_nan(mjd: FloatArrayLike, scale: str | None, what: str) -> tuple[FloatArray, FloatArray]:
-    """Returns two-part Julian dates, TAI, of MJD; NaN for missing MJD and MJD out of range."""
-    given = np.asarray(number(mjd, "d", what))
-    known = (given > MJD_RANGE[0]) & (given < MJD_RANGE[1])
-    jd1, jd2 = np.full((2, *given.shape), np.nan)
-    jd1[known], jd2[known] = to_tai(given[known], scale, what)
-    return jd1, jd2
+def _is_mjd(value: object) -> bool:
+    """Returns true for numbers, which are MJD; also if some, or all, are missing."""
+    if is_time(value) or isinstance(value, TwoPartTai):
+        return False
+    array = np.asarray(value)
+    times = (str, datetime.datetime, np.datetime64)
+    return array.dtype.kind in "iuf" or array.dtype.kind == "O" and not any(is_time(one) or isinstance(one, times) for one in array.flat)
+
+
+def _check_precision(value: object, what: str) -> None:
+    """Raises an error if an array has numbers of a type that is too coarse for MJD."""
+    given = np.asarray(getattr(value, "value", value))
+    if given.size > 0 and given.dtype.kind == "f" and given.dtype.itemsize < 8:
+        raise TypeError(
+            f"{what} is {given.dtype}, which has MJD in steps of {_step_s(given):.0f} s; allowed: float64, or a Time"
+        )
 
 
 def _step_s(array: npt.NDArray[np.generic]) -> float:

@@ -15,10 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._exposure_queries import invalid_numbers
 from ._quantities import aligned, number
 from ._results import UNJUDGED
 from ._state import without_numbers
-from ._times import TwoPartTai, is_mjd, to_tai, to_tai_or_nan
+from ._times import TwoPartTai, to_tai_or_nan
 from ._warnings import handle_warnings, warn
 from .model import StreakModel
 from .typing import Columns, PathLike
@@ -74,8 +75,9 @@ def annotate(
     visits : mapping of columns
         ``ra_deg, dec_deg, start, exposure_s`` and, optionally, ``rotation_deg, band``: arrays ``(n,)``, a `QTable` or a
         data frame. The columns of ``observations`` in opsim databases (``fieldRA, fieldDec, observationStartMJD,
-        visitExposureTime, rotSkyPos, band`` or ``filter``) are read as they are; a visit of several snaps
-        (``numExposures``) lasts ``visitTime``.
+        visitExposureTime, rotSkyPos, band`` or ``filter``) are read as they are. A visit of several snaps
+        (``numExposures`` or ``nexp``) lasts ``visitTime``; one whose number of snaps is missing or 0, the longer of
+        both times.
     model : StreakModel
         Model to use. All workers must be able to read its files from the same paths.
     client : distributed.Client
@@ -106,7 +108,7 @@ def annotate(
     -----
     StreakcastWarning
         The warnings of the workers, each once with the number of nights, also those of nights that were skipped; and
-        visits that lack a number.
+        visits with numbers that are missing or out of range.
 
     Raises
     ------
@@ -115,7 +117,6 @@ def annotate(
     """
     _require_pyarrow()
     columns = _columns(visits, model, model.mjd_scale if scale is None else scale)
-    open_s = columns.pop("open_s", None)
     output = Path(folder).absolute()
     output.mkdir(parents=True, exist_ok=True)
     nights = _nights(columns, model)
@@ -123,14 +124,13 @@ def annotate(
     for night in np.unique(nights):
         rows = np.flatnonzero(nights == night)
         part = {name: column[rows] for name, column in columns.items()}
-        shares = None if open_s is None else open_s[rows] / part["exposure_s"]
         path = output / f"night-{int(night):05d}.parquet"
-        key = _digest(part if shares is None else {**part, "open_share": shares}, rows, model, next_starts)
+        key = _digest(part, rows, model, next_starts)
         files.append(path)
         if not (_is_done(path, key) and (not streaks or _is_done(_streaks_beside(path), key))):
             tasks.append(
                 client.submit(
-                    _one_night, part, rows, model, str(path), key, streaks, next_starts, shares,
+                    _one_night, part, rows, model, str(path), key, streaks, next_starts,
                     retries=retries, key=f"night-{int(night)}-{key[:16]}-{streaks:d}",
                 )
             )
@@ -147,12 +147,8 @@ def annotate(
             similar.setdefault(without_numbers(message), {}).setdefault(path, message)
     for by_night in similar.values():
         warn(f"{next(iter(by_night.values()))} ({len(by_night)} of {len(files)} nights)")
-    numbers = [name for name in columns if name != "band"]
-    missing = np.flatnonzero(np.any([~np.isfinite(columns[name]) for name in numbers], axis=0))
-    if len(missing):
-        row = int(missing[0])
-        name = next(name for name in numbers if not np.isfinite(columns[name][row])).replace("jd1", "start")
-        warn(f"{len(missing)} of {len(nights)} visits lack a number or have a time out of range, and are invalid; first row {row}: {name}")
+    for message in invalid_numbers(columns, "visits"):
+        warn(message)
     return files
 
 
@@ -200,7 +196,8 @@ def _require_pyarrow() -> None:
     try:
         import pyarrow  # noqa: F401
     except ImportError as error:
-        raise ImportError("streakcast.dask requires pyarrow, which writes and reads Parquet; install it with: pip install pyarrow") from error
+        needed = "streakcast.dask requires pyarrow, which writes and reads Parquet; install it with: pip install pyarrow"
+        raise ImportError(needed) from error
 
 
 def _read_all(files: Sequence[PathLike]) -> Columns:
@@ -227,14 +224,13 @@ def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Colum
     missing = [name for name in COLUMNS if name not in table]
     if missing:
         raise ValueError(f"missing columns of visits {', '.join(missing)}; allowed: all of {', '.join(COLUMNS)}")
-    columns: Columns = dict(zip(("jd1", "jd2"), _starts(table["start"], scale)))
+    columns: Columns = dict(zip(("jd1", "jd2"), map(np.ravel, to_tai_or_nan(table["start"], scale, "start"))))
     for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
         if name in table:
             columns[name] = _numbers(table[name], unit, name)
-    if {"visitTime", "numExposures"} <= table.keys() and "exposure_s" not in names:
-        snaps, visit_s = _numbers(table["numExposures"], "", "numExposures"), _numbers(table["visitTime"], "s", "visitTime")
+    if "exposure_s" not in names:
         columns["open_s"] = columns["exposure_s"]
-        columns["exposure_s"] = np.where(snaps > 1, np.broadcast_to(visit_s, snaps.shape), columns["exposure_s"])
+        columns["exposure_s"] = _durations_s(table, columns["open_s"])
     default_deg = model._engine.default_rotation_deg
     rotation_deg = columns.get("rotation_deg", np.full(len(columns["jd1"]), np.nan))
     columns["rotation_deg"] = np.where(np.isnan(rotation_deg), default_deg, rotation_deg)
@@ -246,33 +242,23 @@ def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Colum
     return columns
 
 
-def _numbers(column: Any, unit: str, name: str) -> npt.NDArray[np.float64]:
-    """Returns a column of numbers; masked cells, and cells of an object array that are no numbers, are NaN."""
-    if isinstance(column, np.ma.MaskedArray):
-        column = np.ma.filled(column.astype(float), np.nan)
-    elif getattr(column, "dtype", None) == object:
-        column = np.array([_float(one) for one in column])
-    return np.ravel(number(column, unit, name))
+def _numbers(column: object, unit: str, name: str) -> npt.NDArray[np.float64]:
+    """Returns a column of numbers; missing ones are NaN."""
+    return np.ravel(number(column, unit, name, keep_missing=True))
 
 
-def _float(cell: Any) -> float:
-    """Returns a number; NaN for `None`, pandas' NA and other objects. Text is an error."""
-    if isinstance(cell, str):
-        raise TypeError(f"a column of visits contains '{cell[:40]}'; allowed: numbers, or None where they are missing")
-    try:
-        return float(cell)
-    except (TypeError, ValueError):
-        return float("nan")
-
-
-def _starts(column: Any, scale: str | None) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Returns two-part Julian dates, TAI; NaN for missing MJD and MJD out of range."""
-    kind = getattr(column, "dtype", np.dtype("U")).kind
-    has_numbers = is_mjd(column) or kind == "O" and any(isinstance(one, (int, float)) for one in column)
-    if not isinstance(column, np.ma.MaskedArray) and not has_numbers:
-        jd1, jd2 = to_tai(column, scale, "start")
-        return np.ravel(jd1), np.ravel(jd2)
-    return to_tai_or_nan(_numbers(column, "d", "start"), scale, "start")
+def _durations_s(table: dict[str, Any], open_s: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Returns the durations of visits whose shutter is open for `open_s`, as ``streakcast annotate``; NaN if they are
+    unknown."""
+    names = [name for name in ("numExposures", "nexp") if name in table][:1]
+    snaps = np.broadcast_to(_numbers(table[names[0]], "", names[0]) if names else np.array(np.nan), open_s.shape)
+    visit_s = _numbers(table["visitTime"], "s", "visitTime") if "visitTime" in table else np.array(np.nan)
+    visit_s = np.broadcast_to(visit_s, open_s.shape)
+    # If the number of snaps is not known, there may be several. Between snaps the camera is read out.
+    is_several, is_one = snaps > 1.0, snaps == 1.0
+    is_wrong = (snaps < 0.0) | (snaps > 1e6) | np.where(is_several, ~(visit_s >= open_s), ~is_one & (visit_s < 0.0))
+    durations_s = np.where(is_several, visit_s, np.where(is_one, open_s, np.fmax(open_s, visit_s)))
+    return np.where(open_s > 0.0, np.where(is_wrong, np.nan, durations_s), open_s)
 
 
 def _nights(columns: Columns, model: StreakModel) -> npt.NDArray[np.int64]:
@@ -331,12 +317,8 @@ def _one_night(
     key: str,
     streaks: bool,
     next_starts: bool,
-    open_shares: npt.NDArray[np.float64] | None,
 ) -> int:
-    """Writes the verdicts of one night, and its streaks, in a worker. Returns the number of visits.
-
-    Costs are multiplied by `open_shares`, the shares of the visits with open shutter.
-    """
+    """Writes the verdicts of one night, and its streaks, in a worker. Returns the number of visits."""
     # Dask distributes the cores among workers. This is effective only before the first computation in this process.
     os.environ.setdefault("RAYON_NUM_THREADS", "1")
     # A worker judges many nights with one copy of the model, which issues each warning once. A new copy issues those of
@@ -347,24 +329,17 @@ def _one_night(
     messages: list[str] = []
     with handle_warnings(messages.append):
         if next_starts:
-            columns: dict[str, Any] = dict(model._flagged(exposures, bands, "dict", keeps_invalid=True))
+            columns: dict[str, Any] = dict(model._flagged(exposures, bands, "dict", keep_invalid=True))
             del columns["exposure_id"]
         else:
-            columns = model._judged(exposures, bands, keeps_invalid=True)
+            columns = model._judged(exposures, bands, keep_invalid=True)
             del columns["crosses"]
-        if open_shares is not None:
-            columns["streak_cost_s"] = columns["streak_cost_s"] * open_shares
         if streaks:
             # Streaks of unknown positions would be an error.
             judged = np.flatnonzero(~np.isin(columns["verdict"], UNJUDGED))
-            chosen = {name: column[judged] for name, column in part.items()}
-            pointing, start = (chosen["ra_deg"], chosen["dec_deg"]), TwoPartTai(chosen["jd1"], chosen["jd2"])
-            options: dict[str, Any] = {"rotation": chosen["rotation_deg"], "band": chosen.get("band"), "output": "dict"}
-            passes = dict(model.passes(pointing, start, chosen["exposure_s"], **options))
-            of_pass = judged[np.asarray(passes.pop("exposure_id"), dtype=np.int64)]
-            if open_shares is not None:
-                passes["streak_cost_s"] = passes["streak_cost_s"] * open_shares[of_pass]
-            crossed = rows[of_pass]
+            known = {name: column[judged] for name, column in exposures.items()}
+            passes = dict(model._crossings(known, [bands[row] for row in judged] if bands else [], "dict"))
+            crossed = rows[judged[np.asarray(passes.pop("exposure_id"), dtype=np.int64)]]
             _write(_streaks_beside(Path(path)), {"visit": crossed, **passes}, key, messages)
     _write(Path(path), {"visit": rows, **columns}, key, messages)
     return len(rows)
