@@ -74,3 +74,5 @@ pub use self::{
     window_table::{FoundWindows, SchedulerFormat, window_table, window_target_table},
     windows::{clear_windows_without_passes, next_window},
 };
+#[doc(hidden)]
+pub use best_start::COMPARED_STARTS;
