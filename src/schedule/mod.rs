@@ -62,6 +62,7 @@ pub use windows::{ClearWindow, TargetWindows, WindowReport, WindowRequest, Windo
 #[doc(hidden)]
 pub use self::{
     annotate::{Annotation, annotate, check_extension},
+    best_start::COMPARED_STARTS,
     formats::ScheduleFormat,
     horizon::lowest_altitude_rad,
     nights::{Shard, evening_mjd},
@@ -74,5 +75,3 @@ pub use self::{
     window_table::{FoundWindows, SchedulerFormat, window_table, window_target_table},
     windows::{clear_windows_without_passes, next_window},
 };
-#[doc(hidden)]
-pub use best_start::COMPARED_STARTS;
