@@ -1,6 +1,6 @@
 //! Input files of a configuration: element sets, synthetic constellations, Earth orientation and brightness models.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -20,6 +20,7 @@ use crate::input;
 use crate::orbit::DragModel;
 use crate::passes::{LearnedFile, ModelChoice};
 use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
+use crate::schedule::evening_mjd;
 
 /// Inputs of a configuration, read once. Skies for any time can be prepared from them; only the element sets of a
 /// telescope in orbit are read again for each sky.
@@ -29,10 +30,9 @@ pub struct LoadedInputs {
     pub(super) drag: DragModel,
     pub(super) shadow: ShadowModel,
     pub(super) eop: EopTable,
-    pub(super) catalogue: Option<Satellites>,
     pub(super) deployment: Deployment,
-    /// Element sets of the periods that replace those of the request, by their files.
-    pub(super) of_periods: BTreeMap<Vec<PathBuf>, Satellites>,
+    /// Element sets of the request, and those of the periods that replace them, by their files.
+    pub(super) catalogues: BTreeMap<Vec<PathBuf>, Satellites>,
     pub(super) choice: ModelChoice,
     /// Files with settings, as they were read.
     pub(super) settings_files: Vec<serde_json::Value>,
@@ -41,19 +41,12 @@ pub struct LoadedInputs {
 impl LoadedInputs {
     /// Returns the files of element sets that were read; empty if all satellites are synthetic.
     pub fn sources(&self) -> impl Iterator<Item = &SourceFile> {
-        self.catalogues().flat_map(|catalogue| &catalogue.sources)
-    }
-
-    fn catalogues(&self) -> impl Iterator<Item = &Satellites> {
-        self.catalogue.iter().chain(self.of_periods.values())
+        self.catalogues.values().flat_map(|catalogue| &catalogue.sources)
     }
 
     /// Returns the element sets of the night that begins on an evening; `None` if all satellites are synthetic.
     pub(super) fn catalogue_at(&self, evening_mjd: i64) -> Option<&Satellites> {
-        match self.deployment.elements_at(evening_mjd) {
-            files if files.is_empty() => self.catalogue.as_ref(),
-            files => self.of_periods.get(&files),
-        }
+        self.catalogues.get(&self.config.elements_in(&self.deployment, evening_mjd))
     }
 
     /// Returns the first and the last epoch of the element sets if the files have several of an object, of which each sky
@@ -62,7 +55,7 @@ impl LoadedInputs {
         let has_several = |catalogue: &&Satellites| {
             catalogue.element_sets.windows(2).any(|pair| pair[0].norad_id == pair[1].norad_id)
         };
-        let epochs = || self.catalogues().filter(has_several).filter_map(Satellites::epochs);
+        let epochs = || self.catalogues.values().filter(has_several).filter_map(Satellites::epochs);
         let (first, last) = (epochs().map(|(first, _)| first).min()?, epochs().map(|(_, last)| last).max()?);
         Some([first, last])
     }
@@ -74,24 +67,56 @@ impl Config {
     /// # Errors
     /// Neither element sets nor simulated constellations are given, or an input is invalid.
     pub fn load(&self) -> Result<LoadedInputs, Error> {
-        self.load_with(Keep::All)
+        self.load_with(Keep::All, None)
     }
 
-    pub(super) fn load_with(&self, keep: Keep) -> Result<LoadedInputs, Error> {
-        let catalogue = self.read_elements(&self.elements, keep)?;
-        let (drag, shadow, eop) = (self.drag()?, self.shadow()?, self.eop_table()?);
+    /// Reads all inputs; if `moment` is given, only the element sets of its night.
+    pub(super) fn load_with(&self, keep: Keep, moment: Option<Epoch>) -> Result<LoadedInputs, Error> {
         let deployment = self.deployment()?;
-        let mut of_periods = BTreeMap::new();
-        for files in deployment.all_elements() {
-            let catalogue = Satellites::read(&files, &self.read_options(keep))?;
-            of_periods.insert(files, catalogue);
+        let mut lists = deployment.all_elements();
+        lists.insert(self.elements.clone());
+        if let (Some(moment), true) = (moment, lists.len() > 1) {
+            let used = self.element_files_at(moment)?;
+            for path in lists.iter().flatten().filter(|path| !used.contains(path)) {
+                std::fs::metadata(path).map_err(|source| Error::cannot("read", path, source))?;
+            }
+            lists = BTreeSet::from([used]);
         }
-        if catalogue.is_none() && deployment.is_empty() {
+        lists.retain(|files| !files.is_empty());
+        if lists.is_empty() && deployment.is_empty() {
             return Err(SATELLITES.missing());
         }
+        let catalogues = Satellites::read_lists(lists, &self.read_options(keep))?;
+        let (drag, shadow, eop) = (self.drag()?, self.shadow()?, self.eop_table()?);
         let choice = self.model_choice()?;
         let (config, settings_files) = (self.clone(), self.settings_json());
-        Ok(LoadedInputs { config, drag, shadow, eop, catalogue, deployment, of_periods, choice, settings_files })
+        Ok(LoadedInputs { config, drag, shadow, eop, deployment, catalogues, choice, settings_files })
+    }
+
+    /// Returns the files of element sets of the night at a time: those of its periods of constellations that grow, or
+    /// else those of the request.
+    ///
+    /// # Errors
+    /// The site or a file of constellations is invalid.
+    pub fn element_files_at(&self, moment: Epoch) -> Result<Vec<PathBuf>, Error> {
+        let evening = evening_mjd(moment, self.viewpoint_longitude_rad(Some(moment))?);
+        Ok(self.elements_in(&self.deployment()?, evening))
+    }
+
+    pub(super) fn elements_in(&self, deployment: &Deployment, evening_mjd: i64) -> Vec<PathBuf> {
+        match deployment.elements_at(evening_mjd) {
+            files if files.is_empty() => self.elements.clone(),
+            files => files,
+        }
+    }
+
+    /// Returns the files of element sets of all nights.
+    ///
+    /// # Errors
+    /// A file of constellations is invalid.
+    pub fn element_files(&self) -> Result<BTreeSet<PathBuf>, Error> {
+        let of_periods = self.deployment()?.all_elements().into_iter().flatten();
+        Ok(self.elements.iter().cloned().chain(of_periods).collect())
     }
 
     /// Returns the model of drag in SGP4. If omitted, satellites that hold their orbits by thrust have no drag.
@@ -143,7 +168,7 @@ impl Config {
         ReadOptions { accept_bad_checksums: self.accept_bad_checksums.unwrap_or(false), keep }
     }
 
-    /// Returns the simulated constellations by night.
+    /// Returns the simulated constellations, and the files of element sets of periods, by night.
     ///
     /// # Errors
     /// A name is unknown, or a file is invalid.

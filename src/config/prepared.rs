@@ -40,6 +40,8 @@ pub struct PreparedSky {
     pub warnings: Vec<String>,
     /// Warnings about files and simulated constellations; they do not depend on the time of a request.
     of_files: Vec<String>,
+    /// True if periods of constellations that grow have element sets of their own.
+    has_own_elements: bool,
     /// Number of satellites read from files; these are the first satellites of the sky.
     from_files: usize,
     /// Epoch of the simulated satellites; `None` if there are none.
@@ -67,7 +69,7 @@ impl Config {
     /// # Errors
     /// Same as [`Config::load`] and [`LoadedInputs::prepare`].
     pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, Error> {
-        self.load_with(Keep::Nearest(middle_of(first, last)))?.prepare(first, last)
+        self.load_with(Keep::Nearest(middle_of(first, last)), Some(first))?.prepare(first, last)
     }
 }
 
@@ -91,7 +93,8 @@ impl LoadedInputs {
         let constellations = self.deployment.at(evening)?;
         let (mut elements, mut others): (Vec<ElementSet>, Vec<ElementSet>) = Default::default();
         let catalogue = self.catalogue_at(evening);
-        if catalogue.is_some() || !self.of_periods.is_empty() {
+        let has_own_elements = self.deployment.has_elements();
+        if catalogue.is_some() || has_own_elements {
             provenance.state("elements", elements_json(catalogue));
         }
         if let Some(catalogue) = catalogue {
@@ -195,8 +198,17 @@ impl LoadedInputs {
             of_files.extend(warnings::of_measured(measured.len(), not_used));
         }
         let warnings = Vec::new();
-        let mut prepared =
-            PreparedSky { sky, eop, provenance, warnings, of_files, from_files, shells_made_for, growth_mjd };
+        let mut prepared = PreparedSky {
+            sky,
+            eop,
+            provenance,
+            warnings,
+            of_files,
+            has_own_elements,
+            from_files,
+            shells_made_for,
+            growth_mjd,
+        };
         prepared.warnings = prepared.warnings_at(first, last);
         Ok(prepared)
     }
@@ -212,22 +224,42 @@ impl LoadedInputs {
         let mut elements = catalogue.map(|catalogue| catalogue.at(first_start)).unwrap_or_default();
         merge_parts_of_stations(&mut elements);
         let simulated: usize = constellations.iter().map(Constellation::satellites).sum();
-        let mut stated = json!({
-            "first_start_utc": format_utc(first_start, 3),
-            "satellites": elements.len() + simulated,
-            "shells": constellations_json(&constellations),
-        });
-        if !self.of_periods.is_empty() {
-            stated["elements"] = elements_json(catalogue);
-        }
-        Ok(stated)
+        let elements_json = self.deployment.has_elements().then(|| elements_json(catalogue));
+        Ok(period_json(first_start, elements.len() + simulated, constellations_json(&constellations), elements_json))
     }
+}
+
+fn period_json(
+    first_start: Epoch,
+    satellites: usize,
+    shells: serde_json::Value,
+    elements: Option<serde_json::Value>,
+) -> serde_json::Value {
+    let mut stated =
+        json!({ "first_start_utc": format_utc(first_start, 3), "satellites": satellites, "shells": shells });
+    if let Some(elements) = elements {
+        stated["elements"] = elements;
+    }
+    stated
 }
 
 impl PreparedSky {
     /// Returns the same sky, whose queries stop after [`Watch::stop`]; see [`Sky::watched`].
     pub fn watched(&self, watch: &Watch) -> Self {
         Self { sky: self.sky.watched(watch), ..self.clone() }
+    }
+
+    /// Adds the satellites to the periods of a provenance, like [`LoadedInputs::period_json`], unless the last period has
+    /// the same. Returns true if they are added.
+    pub fn add_period(&self, first_start: Epoch, periods: &mut Vec<serde_json::Value>) -> bool {
+        let stated = |name| self.provenance.get(name).cloned();
+        let elements = stated("elements").filter(|_| self.has_own_elements);
+        let shells = stated("shells").unwrap_or_else(|| json!([]));
+        let period = period_json(first_start, self.sky.elements().len(), shells, elements);
+        let differs = |last: &serde_json::Value| ["shells", "elements"].iter().any(|name| last[name] != period[name]);
+        let is_new = periods.last().is_none_or(differs);
+        periods.extend(is_new.then_some(period));
+        is_new
     }
 
     /// Returns the warnings about the files, and those about inputs that are too old for a request from `first` to

@@ -298,7 +298,7 @@ pub(super) fn of_growth(used: i64, [first, last]: [i64; 2], begins: &[i64]) -> O
     let (from, to) = (used.min(first), used.max(last));
     let other = begins.iter().filter(|begin| (from + 1..=to).contains(*begin)).min()?;
     Some(format!(
-        "satellites are those of the night of {} for the whole request, although another period of them \
+        "satellites are those of the night of {} for the whole request, although another period of the file \
          begins on {}",
         day(Epoch::from_mjd_utc(used as f64)),
         day(Epoch::from_mjd_utc(*other as f64))

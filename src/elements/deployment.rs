@@ -155,6 +155,11 @@ impl Deployment {
         periods.flat_map(|period| &period.elements).cloned().collect()
     }
 
+    /// Returns true if periods have files of element sets.
+    pub fn has_elements(&self) -> bool {
+        self.periods().any(|period| !period.elements.is_empty())
+    }
+
     /// Returns the results of [`elements_at`](Self::elements_at) in all nights, except for empty ones.
     pub fn all_elements(&self) -> BTreeSet<Vec<PathBuf>> {
         self.periods().map(|period| self.elements_at(period.from_mjd)).filter(|files| !files.is_empty()).collect()

@@ -1,6 +1,7 @@
 //! Catalogue of satellites: element sets and ephemerides from files of any formats, with their provenance.
 
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hifitime::Epoch;
@@ -97,6 +98,24 @@ impl Satellites {
         let files = files_of(paths)?;
         let readings: Result<Vec<_>, _> = files.par_iter().map(|path| read_file(path, checksums)).collect();
         Ok(Self::assemble(readings?, options.keep))
+    }
+
+    /// Reads several lists of files, like [`read`](Self::read); a file of several lists is read once.
+    pub(crate) fn read_lists(
+        lists: BTreeSet<Vec<PathBuf>>,
+        options: &ReadOptions,
+    ) -> Result<BTreeMap<Vec<PathBuf>, Self>, Error> {
+        if lists.len() < 2 {
+            return lists.into_iter().map(|list| Self::read(&list, options).map(|read| (list, read))).collect();
+        }
+        let files = lists.iter().map(|list| files_of(list)).collect::<Result<Vec<_>, _>>()?;
+        let distinct: BTreeSet<&PathBuf> = files.iter().flatten().collect();
+        let readings = distinct.into_par_iter().map(|path| Ok((path, read_file(path, options.checksums())?)));
+        let readings = readings.collect::<Result<BTreeMap<&PathBuf, _>, Error>>()?;
+        let assemble = |files: &Vec<PathBuf>| {
+            Self::assemble(files.iter().map(|path| readings[path].clone()).collect(), options.keep)
+        };
+        Ok(lists.into_iter().zip(files.iter().map(assemble)).collect())
     }
 
     /// Reads files with the default options: the newest of several element sets of one object is kept, and records with

@@ -44,6 +44,7 @@ pub struct SourceFile {
 }
 
 /// Content of one file, with its provenance.
+#[derive(Clone)]
 pub(super) struct FileReading {
     pub source: SourceFile,
     pub sets: Vec<ElementSet>,

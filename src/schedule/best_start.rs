@@ -9,8 +9,8 @@ use super::report::{TICK_S, judge_exposures};
 use super::scheduled::ScheduledExposure;
 use super::verdict::Verdict;
 
-/// Number of later starts that are compared with the scheduled one.
-const LATER_STARTS: u32 = 60;
+/// Number of later starts whose costs are compared.
+pub const COMPARED_STARTS: u32 = 60;
 
 /// Start of an exposure with its cost.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -45,10 +45,10 @@ pub fn best_start(
     let (Some(scheduled_cost_s), Ok(exposure)) = (cost_s, &row.exposure) else { return Ok((None, verdict)) };
     let exceeds = |cost_s: f64| request.policy.max_cost_s.is_some_and(|most_s| cost_s > most_s);
     let span_s = if exceeds(scheduled_cost_s) { longest_s } else { scheduled_cost_s.min(longest_s) };
-    let step_s = span_s / f64::from(LATER_STARTS);
+    let step_s = span_s / f64::from(COMPARED_STARTS);
     let mut best = BestStart { delay_s: 0.0, streak_cost_s: scheduled_cost_s, scheduled_cost_s };
     if step_s >= TICK_S {
-        let delays_s: Vec<f64> = (1..=LATER_STARTS).map(|number| step_s * f64::from(number)).collect();
+        let delays_s: Vec<f64> = (1..=COMPARED_STARTS).map(|number| step_s * f64::from(number)).collect();
         let delayed = |delay_s: &f64| ScheduledExposure {
             exposure: Ok(Exposure { start: seconds_after(exposure.start, *delay_s), ..exposure.clone() }),
             ..row.clone()

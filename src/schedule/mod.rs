@@ -62,6 +62,7 @@ pub use windows::{ClearWindow, TargetWindows, WindowReport, WindowRequest, Windo
 #[doc(hidden)]
 pub use self::{
     annotate::{Annotation, annotate, check_extension},
+    best_start::COMPARED_STARTS,
     formats::ScheduleFormat,
     horizon::lowest_altitude_rad,
     nights::{Shard, evening_mjd},

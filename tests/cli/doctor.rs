@@ -230,8 +230,18 @@ fn a_first_period_in_the_future_is_an_error() {
         };
         assert_eq!(findings.iter().any(is_error), expected, "{findings:?}");
     }
-    // The element sets of a period are those that are checked.
     let elements = file(&folder);
+    // All other verbs that read the file of a later period would fail.
+    std::fs::write(folder.path().join("wrong.tle"), "not an element set\n").unwrap();
+    for (name, expected) in [("missing.tle", "missing.tle: No such file"), ("wrong.tle", "contains no element sets")] {
+        let later = format!("[[period]]\nfrom = 2031-01-01\nelements = '{name}'\n");
+        let text = format!("[[period]]\nfrom = 2026-08-13\nelements = '{elements}'\n{later}");
+        std::fs::write(&growth, text).unwrap();
+        let (code, findings, _) = findings(&["--shells", &growth, "--mpc", "X05"]);
+        let errors: Vec<_> = findings.iter().filter(|(severity, ..)| severity == "error").collect();
+        assert!(code == 2 && errors.len() == 1 && errors[0].2.contains(expected), "{findings:?}");
+    }
+    // The element sets of a period are those that are checked.
     for (name, expected) in [("missing.tle", "missing.tle: No such file"), (elements.as_str(), "median age")] {
         std::fs::write(&growth, format!("[[period]]\nfrom = 2026-08-13\nelements = '{name}'\n")).unwrap();
         let (_, findings, _) = findings(&["--shells", &growth, "--mpc", "X05"]);

@@ -111,11 +111,20 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
         let more: &[&str] = &["--telescope", "rubin", "--policy", &policy, "--max-wait", longest, "--now", now];
         let (code, stderr, status) = gate(&folder, &[POINTING, more].concat());
         assert_eq!((code, status["verdict"].as_str()), (0, Some(verdict)), "{stderr}");
-        assert_eq!(verdict == "start", status["streak_cost_s"].as_f64().unwrap() <= most_s, "{status}");
+        assert_eq!(status["streak_cost_s"].as_f64().is_some_and(|cost_s| cost_s <= most_s), verdict == "start");
+        // Only a start that is used is stated.
+        for key in ["streak_cost_s", "start_utc", "waited_s"] {
+            assert_eq!(status.get(key).is_some(), verdict == "start", "{status}");
+        }
+        assert!((status["scheduled_cost_s"].as_f64().unwrap() - free_s).abs() < 2e-3, "{status}");
+        let costs = format!("no clear start within 1 s at which streaks cost at most {most_s} s; ");
+        assert_eq!(stderr.contains(&costs), verdict == "not_clear", "{stderr}");
         // A start that exceeds neither a limit nor the cost. All satellites are fainter than this limit.
         fs::write(&policy, format!("max_cost_s = {most_s}\nlimit_mag = -5")).unwrap();
         let (_, stderr, status) = gate(&folder, &[POINTING, more].concat());
         assert_eq!(status["verdict"] == "clear", verdict == "start", "{stderr}");
+        assert!(stderr.contains(&format!("streaks cost at most {most_s} s; ")), "{stderr}");
+        assert!(status.get("clear_until_utc").is_none() && !stderr.contains("starts until"), "{stderr}");
         if verdict == "start" {
             let start = status["start_utc"].as_str().unwrap();
             assert!(status["waited_s"].as_f64().unwrap() > 0.0 && cost_at(start, "0.08") <= most_s + 2e-3, "{stderr}");
@@ -380,6 +389,44 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
     assert_eq!((code, record["verdict"].as_str()), (0, Some("clear")), "{stderr}");
     assert_eq!(record["positions_known"], true, "{record}");
     assert!(record["late_s"].as_f64().unwrap() > 60.0 && record["elements_age_days"].as_f64().unwrap() > 25.0);
+}
+
+/// The element file of the period of the night is that of the request: it is read again and compared with the last run.
+#[test]
+fn faults_of_the_element_files_of_periods_are_those_of_elements() {
+    let folder = tempfile::tempdir().unwrap();
+    let [growth, now, later, status] =
+        ["growth.toml", "now.tle", "later.tle", "status.json"].map(|name| path(&folder, name));
+    fs::write(
+        &growth,
+        "[[period]]\nfrom = 2026-08-01\nelements = 'now.tle'\n[[period]]\nfrom = 2031-01-01\nelements = 'later.tle'\n",
+    )
+    .unwrap();
+    let base = ["gate", "--shells", &growth, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
+    let run = || {
+        let (_, _, stderr) = run(&[&base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
+        let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        (record["fault"].as_str().map(str::to_owned), stderr)
+    };
+    let sets = |count: u32| -> String {
+        (0..count).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect()
+    };
+    // The file of another period must exist, but is not read.
+    for (present, missing) in [(&later, "now.tle"), (&now, "later.tle")] {
+        fs::write(present, sets(40)).unwrap();
+        let (fault, stderr) = run();
+        assert!(fault.as_deref() == Some("elements") && stderr.contains(missing), "{stderr}");
+        fs::remove_file(present).unwrap();
+    }
+    fs::write(&later, "not an element set\n").unwrap();
+    for (count, expected) in
+        [(40, None), (10, Some("elements may be incomplete: 10 satellites, 0 records rejected, 40"))]
+    {
+        fs::write(&now, sets(count)).unwrap();
+        let (fault, stderr) = run();
+        assert_eq!(fault.as_deref(), expected.map(|_| "elements"), "{stderr}");
+        assert!(stderr.contains(expected.unwrap_or("clear")), "{stderr}");
+    }
 }
 
 /// Files that are missing or invalid are faults: N.I.N.A. ends a sequence at any exit code except 0.

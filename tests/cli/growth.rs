@@ -154,8 +154,7 @@ fn verbs_with_one_sky_warn_of_another_period() {
          { altitude_km = 600, inclination_deg = 53, planes = 4, satellites_per_plane = 5 }]\n",
     );
     let shared = ["--shells", &growth, "--mpc", "X05", "--max-mag=-9"];
-    let warning =
-        "those of the night of 2026-08-13 for the whole request, although another period of them begins on 2026-08-14";
+    let warning = "those of the night of 2026-08-13 for the whole request, although another period of the file begins on 2026-08-14";
     for (end, expected) in [("2026-08-15T04:00:00Z", true), ("2026-08-14T16:00:00Z", false)] {
         let (_, _, stderr) = run(&[&["forecast", "--start", "2026-08-14T02:00:00Z", "--end", end], &shared]);
         assert_eq!(stderr.contains(warning), expected, "{end}: {stderr}");
@@ -290,6 +289,15 @@ fn periods_have_element_sets_of_their_own() {
     assert_eq!(sources("2026-08-15T01:00:00Z"), [request]);
     let (code, stdout, _) = run(&[&["shells", &file]]);
     assert!(code == 0 && stdout.contains("element sets of") && stdout.contains("first.tle"), "{stdout}");
+
+    // Periods that differ in their files only are stated too.
+    let text = ["2026-08-01\nelements = 'sets/first.tle'", "2026-08-14\nelements = ['other.tle', 'sets/first.tle']"];
+    let files_only = written(&folder, "files.toml", &text.map(|text| format!("[[period]]\nfrom = {text}\n")).concat());
+    let nights = ["statistics", "--night", "2026-08-13", "2026-08-14", "--format", "json", "--moments", "1", "-q"];
+    let answer: Value = serde_json::from_str(&done(&[&nights, &["--shells", &files_only, "--mpc", "X05"]])).unwrap();
+    let stated = answer["provenance"]["periods"].as_array().unwrap().iter();
+    let stated: Vec<_> = stated.map(|period| (period["satellites"].as_u64().unwrap(), files(period).len())).collect();
+    assert_eq!(stated, [(1, 1), (2, 2)]);
 
     written(&folder, "empty.tle", "");
     written(&folder, "wrong.tle", "not an element set\n");

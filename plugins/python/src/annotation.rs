@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use serde_json::json;
 use streakcast::Watch;
 use streakcast::config::{PreparedSky, parse_time_scale, state_scales};
 use streakcast::message::Quoted;
-use streakcast::output::{AtomicFile, Provenance, Table, Value, counted, format_utc};
+use streakcast::output::{AtomicFile, Provenance, Table, Value, counted};
 use streakcast::schedule::{
     Annotation, Schedule, ScheduledExposure, StreakColumns, Verdict, VerdictKind, annotate, check_extension,
     flag_exposures, flag_table, streak_table,
@@ -47,17 +46,9 @@ impl Engine {
                 stated
             });
             // Constellations that grow differ from night to night.
-            let [shells, elements] =
-                ["shells", "elements"].map(|name| prepared.provenance.get(name).cloned().unwrap_or_default());
-            if periods.last().is_none_or(|last| last["shells"] != shells || last["elements"] != elements) {
-                let first =
-                    rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|exposure| exposure.start).min();
-                periods.push(json!({
-                    "first_start_utc": first.map(|first| format_utc(first, 3)),
-                    "satellites": prepared.sky.elements().len(),
-                    "shells": shells,
-                    "elements": elements,
-                }));
+            let starts = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|exposure| exposure.start);
+            if let Some(first) = starts.min() {
+                prepared.add_period(first, &mut periods);
             }
             let request = self.request(field, prepared);
             for (row, flag) in rows.iter().zip(flags) {
@@ -76,12 +67,6 @@ impl Engine {
         let mut provenance = provenance.unwrap_or_default();
         state_scales(&mut provenance, &scale_name(schedule.time_scale), &self.photometry);
         provenance.state("schedule", schedule.statement(path));
-        // The files are those of all nights unless periods have their own.
-        if periods.iter().all(|period| period["elements"] == periods[0]["elements"]) {
-            periods.iter_mut().filter_map(serde_json::Value::as_object_mut).for_each(|period| {
-                period.remove("elements");
-            });
-        }
         if periods.len() > 1 {
             provenance.state("periods", periods);
         }

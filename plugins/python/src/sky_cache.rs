@@ -1,5 +1,6 @@
 //! Cache of prepared skies: element sets are read once, and prepared for each night.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -168,12 +169,10 @@ impl SkyCache {
 #[pyo3(signature = (setup, config=None))]
 pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> {
     let setup = setup_of(setup, config)?;
-    let mut files: Vec<PathBuf> = setup.files();
+    let mut files: BTreeSet<PathBuf> = setup.files().into_iter().chain(config.map(PathBuf::from)).collect();
     // Errors in a file of constellations are reported when it is loaded.
-    let of_periods = setup.deployment().map(|deployment| deployment.all_elements()).unwrap_or_default();
-    files.extend(of_periods.into_iter().flatten());
-    files.extend(config.map(PathBuf::from));
-    Ok(files)
+    files.extend(setup.element_files().unwrap_or_default());
+    Ok(files.into_iter().collect())
 }
 
 /// Returns the keys that an earlier setup no longer needs if these are changed: those that answer the same questions.

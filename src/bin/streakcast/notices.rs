@@ -71,7 +71,7 @@ impl Notices {
         Ok(())
     }
 
-    /// Prints such warnings of one sky, or of several periods of the simulated constellations.
+    /// Prints such warnings of one sky, or of several periods of constellations that grow.
     pub fn list_left_out(&self, warnings: impl IntoIterator<Item = String>, left_out: &[LeftOut]) {
         let end = if self.verbose { ":" } else { "; --verbose lists them" };
         let warnings = warnings.into_iter().map(|warning| format!("{warning}{end}"));

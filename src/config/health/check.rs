@@ -44,10 +44,12 @@ impl Config {
 
     fn check_elements(&self, now: Epoch, source: MomentSource, health: &mut Health) {
         const SUBJECT: &str = "elements";
+        const FILE_REMEDY: &str = "specify a file of element sets; streakcast fetch downloads one";
         // Without a valid site, which has its own finding, nights are those of Greenwich.
         let evening = evening_mjd(now, self.viewpoint_longitude_rad(Some(now)).unwrap_or_default());
         let deployment = self.deployment();
-        let of_period = deployment.as_ref().map(|deployment| deployment.elements_at(evening)).unwrap_or_default();
+        let files = deployment.as_ref().map(|deployment| self.elements_in(deployment, evening));
+        let files = files.unwrap_or_else(|_| self.elements.clone());
         match deployment.and_then(|deployment| deployment.at(evening)) {
             Err(error) => {
                 health.findings.push(Finding::error(
@@ -62,8 +64,13 @@ impl Config {
             }
             Ok(_) => {}
         }
-        let files = if of_period.is_empty() { &self.elements } else { &of_period };
-        let catalogue = match self.read_elements(files, Keep::Nearest(now)) {
+        let of_other_nights = self.element_files().unwrap_or_default();
+        for path in of_other_nights.into_iter().filter(|path| !files.contains(path)) {
+            if let Err(error) = self.read_elements(&[path], Keep::Newest) {
+                health.findings.push(Finding::error(SUBJECT, error, FILE_REMEDY));
+            }
+        }
+        let catalogue = match self.read_elements(&files, Keep::Nearest(now)) {
             Ok(Some(catalogue)) => catalogue,
             Ok(None) => {
                 if self.shells.is_empty() {
@@ -74,8 +81,7 @@ impl Config {
                 return;
             }
             Err(error) => {
-                let remedy = "specify a file of element sets; streakcast fetch downloads one";
-                health.findings.push(Finding::error(SUBJECT, error, remedy));
+                health.findings.push(Finding::error(SUBJECT, error, FILE_REMEDY));
                 return;
             }
         };

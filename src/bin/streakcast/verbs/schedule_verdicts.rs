@@ -310,7 +310,7 @@ fn parts_and_inputs(
     Ok((parts, Some(inputs)))
 }
 
-/// Divides the rows of a schedule from `first` to `last` into parts with the same simulated satellites.
+/// Divides the rows of a schedule from `first` to `last` into parts of the same periods of constellations that grow.
 pub fn parts(config: &Config, schedule: &Schedule, (first, last): (Epoch, Epoch)) -> anyhow::Result<Vec<Part>> {
     let deployment = config.deployment()?;
     if deployment.periods().next().is_none() {

@@ -202,16 +202,10 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
                 provenance = prepared.provenance.clone();
             }
             // Constellations that grow have other satellites in another night.
-            let shells = prepared.provenance.get("shells");
-            if found.len() == 1 || periods.last().is_some_and(|before| before.get("shells") != shells) {
+            if prepared.add_period(start, &mut periods) {
                 notices.warn(prepared.warnings.iter().filter(|warning| warned.insert((*warning).clone())));
                 without_position.extend(prepared.left_out_warning(&without, start)?);
                 left_out.extend(without);
-                periods.push(json!({
-                    "first_utc": format_utc(start, 3),
-                    "satellites": prepared.sky.elements().len(),
-                    "shells": shells,
-                }));
             }
         }
     }

@@ -14,12 +14,12 @@ use super::status_file::{Before, Fault, FaultKind};
 /// Result of a run.
 pub enum GateVerdict {
     /// The field is clear from `first` to `until`, at once or after a wait. If `is_limited`, satellites that exceed no
-    /// limit may cross.
-    Clear { waited_s: f64, first: Epoch, until: Epoch, is_limited: bool },
+    /// limit may cross. If the policy has a largest cost `most_s`, the streaks of a start at `first` cost at most this.
+    Clear { waited_s: f64, first: Epoch, until: Epoch, most_s: Option<f64>, is_limited: bool },
     /// The cost of streaks plus the wait is smallest if the exposure starts at `first`.
     Best { waited_s: f64, first: Epoch, best: BestStart },
-    /// There is no clear start within the longest wait.
-    NotClear,
+    /// There is no clear start within the longest wait, with streaks that cost at most `most_s`.
+    NotClear { most_s: Option<f64> },
     /// The frame is not a light frame.
     Skipped(String),
 }
@@ -31,7 +31,7 @@ impl GateVerdict {
         match self {
             GateVerdict::Clear { waited_s, first, until, .. } => Some((*waited_s, *first, *until)),
             GateVerdict::Best { waited_s, first, .. } => Some((*waited_s, *first, *first)),
-            GateVerdict::NotClear | GateVerdict::Skipped(_) => None,
+            GateVerdict::NotClear { .. } | GateVerdict::Skipped(_) => None,
         }
     }
 }
@@ -51,7 +51,7 @@ impl Counted {
             }
             Ok(GateVerdict::Clear { .. }) => ("clear", 0.0),
             Ok(GateVerdict::Best { .. }) => ("started", 0.0),
-            Ok(GateVerdict::NotClear) => ("not_clear", 0.0),
+            Ok(GateVerdict::NotClear { .. }) => ("not_clear", 0.0),
             Ok(GateVerdict::Skipped(_)) => ("skipped", 0.0),
             Err(_) => ("fault", 0.0),
         };
@@ -102,10 +102,14 @@ pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
     // With --strict the host does not start the exposure.
     let starts = |text: &'static str| if flags.strict { "" } else { text };
     match result {
-        Ok(GateVerdict::Clear { waited_s, until, is_limited, .. }) => {
+        Ok(GateVerdict::Clear { waited_s, until, most_s, is_limited, .. }) => {
             let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
             let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
-            format!("gate: clear {after}, starts until at least {}{others}", format_utc(*until, 0))
+            let extent = match most_s {
+                Some(most_s) => format!("streaks cost at most {most_s} s"),
+                None => format!("starts until at least {}", format_utc(*until, 0)),
+            };
+            format!("gate: clear {after}, {extent}{others}")
         }
         Ok(GateVerdict::Best { waited_s, best, .. }) if *waited_s > 0.0 => format!(
             "gate: start after {waited_s:.1} s, streaks cost {:.2} s instead of {:.2} s",
@@ -114,9 +118,10 @@ pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
         Ok(GateVerdict::Best { best, .. }) => {
             format!("gate: start now, streaks cost {:.2} s", best.streak_cost_s)
         }
-        Ok(GateVerdict::NotClear) => {
+        Ok(GateVerdict::NotClear { most_s }) => {
             let starts = starts("; the exposure starts and will be streaked");
-            format!("warning: gate: no clear start within {} s{starts}", flags.max_wait_s)
+            let costs = most_s.map(|most_s| format!(" at which streaks cost at most {most_s} s")).unwrap_or_default();
+            format!("warning: gate: no clear start within {} s{costs}{starts}", flags.max_wait_s)
         }
         Ok(GateVerdict::Skipped(why)) => format!("gate: {why}: no wait"),
         Err(fault) => {

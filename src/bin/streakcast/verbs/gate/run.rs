@@ -14,8 +14,8 @@ use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
-    Blocking, ClearWindow, FlagRequest, Policy, ScheduledExposure, TargetWindows, WindowRequest, WindowTarget,
-    best_start, clear_windows, judge_exposures, next_window, reason_for_unknown_starts,
+    Blocking, COMPARED_STARTS, ClearWindow, FlagRequest, Policy, ScheduledExposure, TargetWindows, Verdict,
+    WindowRequest, WindowTarget, best_start, clear_windows, judge_exposures, next_window, reason_for_unknown_starts,
 };
 
 use super::arguments::{Flags, GateArguments, Request};
@@ -33,8 +33,6 @@ const SAME_SITE_KM: f64 = 1.0;
 const STATUS: Duration = Duration::from_secs(2);
 /// Error of the clock after a wait, seconds, above which the clock is taken to have been changed during the wait.
 const CLOCK_STEP_S: f64 = 1.0;
-/// Number of starts whose costs are compared with the largest cost of a policy.
-const COMPARED_STARTS: u32 = 60;
 /// Largest number of avoided passes listed in the status file.
 const NAMED: usize = 5;
 
@@ -71,8 +69,9 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
         }
         Err(NoResult::Failed) => Some(Fault::new(FaultKind::Setup, format!("internal error while {}", step.last()))),
     };
-    let decision =
-        decided.unwrap_or_else(|_| Decision { result: Ok(GateVerdict::NotClear), status: Map::new(), notices: None });
+    let nothing =
+        |_| Decision { result: Ok(GateVerdict::NotClear { most_s: None }), status: Map::new(), notices: None };
+    let decision = decided.unwrap_or_else(nothing);
     let notices = decision.notices.unwrap_or_else(|| Notices::from_config(&flags.config));
     let (mut status, mut result) = (decision.status, fault.map_or(decision.result, Err));
     let rest = left(flags.deadline, flags.timeout).max(STATUS);
@@ -100,13 +99,13 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     let verdict = match &result {
         Ok(GateVerdict::Clear { .. }) => "clear",
         Ok(GateVerdict::Best { .. }) => "start",
-        Ok(GateVerdict::NotClear) => "not_clear",
+        Ok(GateVerdict::NotClear { .. }) => "not_clear",
         Ok(GateVerdict::Skipped(_)) => "skipped",
         Err(_) => "fault",
     };
     let outcome = match &result {
         Err(fault) if flags.strict => Err(anyhow!("{fault}")),
-        Ok(GateVerdict::NotClear) if flags.strict => Ok(Outcome::No),
+        Ok(GateVerdict::NotClear { .. }) if flags.strict => Ok(Outcome::No),
         _ => Ok(Outcome::Done),
     };
     let code = match &outcome {
@@ -246,13 +245,13 @@ fn verdict(
         let Some(best) = best else { return Err(below()) };
         let first = seconds_after(now, best.delay_s);
         let waited_s = seconds_between(flags.clock.now(), first).max(0.0);
+        state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
+        if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
+            return Ok(GateVerdict::NotClear { most_s: policy.max_cost_s });
+        }
         state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
         state(status, "start_utc", format_utc(first, 3));
         state(status, "streak_cost_s", rounded(best.streak_cost_s, 3));
-        state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
-        if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
-            return Ok(GateVerdict::NotClear);
-        }
         return Ok(GateVerdict::Best { waited_s, first, best });
     }
     // The windows extend beyond the longest wait, so that the end of the clear interval is known.
@@ -268,17 +267,20 @@ fn verdict(
     let now = flags.clock.now();
     let last = seconds_after(now, flags.max_wait_s);
     add_blocking_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
-    let next = match policy.max_cost_s {
+    let most_s = policy.max_cost_s;
+    let next = match most_s {
         Some(most_s) => affordable_start(&found.windows, (now, last), &target, most_s, &window_request.conditions)
             .map_err(|error| setup_fault(&error))?,
         None => next_window(&found.windows, now, last),
     };
-    let Some(ClearWindow { first, last: until }) = next else { return Ok(GateVerdict::NotClear) };
+    let Some(ClearWindow { first, last: until }) = next else { return Ok(GateVerdict::NotClear { most_s }) };
     let waited_s = seconds_between(now, first).max(0.0);
     state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
     state(status, "start_utc", format_utc(first, 3));
-    state(status, "clear_until_utc", format_utc(until, 3));
-    Ok(GateVerdict::Clear { waited_s, first, until, is_limited })
+    if most_s.is_none() {
+        state(status, "clear_until_utc", format_utc(until, 3));
+    }
+    Ok(GateVerdict::Clear { waited_s, first, until, most_s, is_limited })
 }
 
 /// Returns the target as a row of a schedule at a start.
@@ -288,8 +290,8 @@ fn row_of(target: &WindowTarget, start: Epoch) -> ScheduledExposure {
     ScheduledExposure { id: exposure.id.clone(), row: 0, band: band.clone(), open_s: None, exposure: Ok(exposure) }
 }
 
-/// Returns the first start in the windows at which the streaks cost at most `most_s`: of the beginnings of the windows and
-/// of starts at equal intervals from the first to the last time.
+/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the end of its window: of the
+/// beginnings of the windows and of starts at equal intervals from the first to the last time.
 fn affordable_start(
     windows: &[ClearWindow],
     (now, last): (Epoch, Epoch),
@@ -299,15 +301,18 @@ fn affordable_start(
 ) -> Result<Option<ClearWindow>, Error> {
     let step_s = seconds_between(now, last) / f64::from(COMPARED_STARTS);
     let regular = (0..=COMPARED_STARTS).map(|number| seconds_after(now, step_s * f64::from(number)));
-    let is_clear = |start: &Epoch| windows.iter().any(|window| (window.first..=window.last).contains(start));
+    let window_from = |start: Epoch| {
+        let window = windows.iter().find(|window| (window.first..=window.last).contains(&start))?;
+        (now..=last).contains(&start).then_some(ClearWindow { first: start, last: window.last })
+    };
     let starts = windows.iter().map(|window| window.first).chain(regular);
-    let mut starts: Vec<Epoch> = starts.filter(|start| (now..=last).contains(start) && is_clear(start)).collect();
-    starts.sort();
-    let rows: Vec<ScheduledExposure> = starts.iter().map(|start| row_of(target, *start)).collect();
+    let mut starts: Vec<ClearWindow> = starts.filter_map(window_from).collect();
+    starts.sort_by_key(|window| window.first);
+    starts.dedup_by_key(|window| window.first);
+    let rows: Vec<ScheduledExposure> = starts.iter().map(|window| row_of(target, window.first)).collect();
     let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
-    let first =
-        starts.into_iter().zip(flags).find(|(_, flag)| flag.streak_cost_s.is_some_and(|cost_s| cost_s <= most_s));
-    Ok(first.map(|(start, _)| ClearWindow { first: start, last: start }))
+    let is_affordable = |flag: &Verdict| flag.streak_cost_s.is_some_and(|cost_s| cost_s <= most_s);
+    Ok(starts.into_iter().zip(flags).find(|(_, flag)| is_affordable(flag)).map(|(window, _)| window))
 }
 
 /// Returns pointing and site. The pointing is, in this order, that of the flags, of the target name, or of the mount.

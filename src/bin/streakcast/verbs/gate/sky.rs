@@ -1,6 +1,7 @@
 //! Sky of a run of the gate: element files that may be incomplete are read again, or are a fault.
 
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use serde_json::{Map, Value};
@@ -46,7 +47,10 @@ pub fn prepare(
     let site = SiteConfig { named: Some(named), ..SiteConfig::default() };
     let config = Config { site, ..request.config.clone() };
     let now = flags.clock.now();
-    let files = &config.elements;
+    let setup_fault = |error| Fault::new(FaultKind::Setup, error);
+    let files = config.element_files_at(now).map_err(setup_fault)?;
+    let of_all_nights = config.element_files().map_err(setup_fault)?;
+    let is_of_elements = |error: &Error| is_of_elements(error, &of_all_nights, &config);
     if let Some(path) = &flags.host.status_file {
         step.begin(format!("reading {}", path.display()));
     }
@@ -62,7 +66,7 @@ pub fn prepare(
         let attempt = Instant::now();
         let prepared = config.prepare(now, seconds_after(now, flags.max_wait_s));
         let is_done = match &prepared {
-            Err(error) => !is_of_elements(error, &config),
+            Err(error) => !is_of_elements(error),
             Ok(prepared) => {
                 rejected(prepared) == 0 || files.iter().all(|path| age(path).is_none_or(|age| age >= FRESH))
             }
@@ -77,7 +81,7 @@ pub fn prepare(
         std::thread::sleep(RETRY);
     };
     let prepared = prepared.map_err(|error| {
-        Fault::new(if is_of_elements(&error, &config) { FaultKind::Elements } else { FaultKind::Setup }, error)
+        Fault::new(if is_of_elements(&error) { FaultKind::Elements } else { FaultKind::Setup }, error)
     })?;
     notices.warn(&prepared.warnings);
     let (satellites, rejected) = (prepared.sky.elements().len(), rejected(&prepared));
@@ -99,11 +103,11 @@ pub fn prepare(
 }
 
 /// Returns true if an error is in the element files, or in their satellites at the time of the exposure.
-fn is_of_elements(error: &Error, config: &Config) -> bool {
+fn is_of_elements(error: &Error, elements: &BTreeSet<PathBuf>, config: &Config) -> bool {
     // Another input may lie in a folder of elements.
     let is_other =
         |file: &Path| config.qs_mag.iter().chain(&config.learned).chain(&config.measured).any(|other| other == file);
-    let is_in = |file: &Path| config.elements.iter().any(|given| file.starts_with(given)) && !is_other(file);
+    let is_in = |file: &Path| elements.iter().any(|given| file.starts_with(given)) && !is_other(file);
     error.kind() == ErrorKind::NoPosition || error.file().is_some_and(is_in)
 }
 

@@ -48,8 +48,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
 
     let started = clock::now();
     let schedule = typed.schedule.as_deref().map(|path| read_schedule(path, &config)).transpose()?;
-    let of_periods = config.deployment()?.all_elements().into_iter().flatten();
-    let reload = Reload::new(config.elements.iter().cloned().chain(of_periods).collect());
+    let reload = Reload::new(config.element_files()?.into_iter().collect());
     let load = move |notices: &Notices| load(&config, &plan, schedule.as_ref(), started, time_zone.clone(), notices);
     let current = Arc::new(RwLock::new(Arc::new(load(&notices)?)));
 
