@@ -38,6 +38,6 @@ pub use streak::{MeasuredStreak, Timing};
 // code of other features.
 #[doc(hidden)]
 pub use self::{
-    region::fit_line,
+    region::{fit_line, line_in_plane},
     table::{CandidateRow, candidate_table, streak_table},
 };
