@@ -186,3 +186,56 @@ pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<HeaderSite>
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
     site_from_headers(&headers).map_err(|error| error.in_file("", path))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::fit_line;
+
+    /// Returns the path of a frame of 120 by 100 pixels of 1 arcsec, with north up and east left.
+    fn frame(name: &str) -> std::path::PathBuf {
+        let cards = "SIMPLE  = T\nBITPIX  = 8\nNAXIS   = 2\nNAXIS1  = 120\nNAXIS2  = 100\nCTYPE1  = 'RA---TAN'\n\
+                     CTYPE2  = 'DEC--TAN'\nCRVAL1  = 150.0\nCRVAL2  = 0.0\nCRPIX1  = 60.5\nCRPIX2  = 50.5\n\
+                     CDELT1  = -2.7777777777777778E-4\nCDELT2  = 2.7777777777777778E-4\nEND";
+        let header: String = cards.lines().map(|card| format!("{card:80}")).collect();
+        let path = std::env::temp_dir().join(format!("streakcast-{}-{name}.fits", std::process::id()));
+        std::fs::write(&path, format!("{header:2880}{}", "\0".repeat(5 * 2880))).unwrap();
+        path
+    }
+
+    /// Returns the corners of `box(x,y,width,height,angle)`, counted from 1.
+    fn corners([x, y, width, height, angle_deg]: [f64; 5]) -> Vec<PixelPosition> {
+        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
+            .map(|(along, across)| (along * width, across * height))
+            .map(|(along, across)| {
+                PixelPosition::from_fits(x + along * cos - across * sin, y + along * sin + across * cos)
+            })
+            .to_vec()
+    }
+
+    /// The part of a box in the frame is lopsided; the line is that of the whole box.
+    #[test]
+    fn verif_boxes_beyond_the_frame_keep_their_direction() {
+        let path = frame("boxes");
+        for (shape, angle_deg, half_width_arcsec, length_arcsec) in [
+            ([60.5, 50.5, 60.0, 10.0, 20.0], 110.0, 5.0, 60.0),
+            ([100.0, 90.0, 160.0, 30.0, 45.0], 135.0, 15.0, 10.5 * 2f64.sqrt() + 80.0),
+            ([115.0, 50.0, 100.0, 40.0, 20.0], 110.0, 20.0, 50.0 + 5.5 / 20f64.to_radians().cos()),
+            ([2.0, 50.0, 60.0, 10.0, 150.0], 60.0, 5.0, 30.0 + 1.5 / 30f64.to_radians().cos()),
+        ] {
+            let line = fit_line(&[region(&path, None, &corners(shape)).unwrap()]).unwrap();
+            let found_deg = line.ends[0].position_angle_rad(&line.ends[1]).to_degrees().rem_euclid(180.0);
+            let length = line.ends[0].separation_rad(&line.ends[1]).to_degrees() * 3600.0;
+            let half_width = line.half_width_rad.to_degrees() * 3600.0;
+            assert!((found_deg - angle_deg).abs() < 0.01, "{shape:?}: {found_deg}");
+            assert!((length - length_arcsec).abs() < 0.01, "{shape:?}: {length}");
+            assert!((half_width - half_width_arcsec).abs() < 0.01, "{shape:?}: {half_width}");
+        }
+        for outside in [[121.0, 50.0, 1.0, 10.0, 0.0], [121.4, 50.0, 4.0, 10.0, 0.0]] {
+            let error = region(&path, None, &corners(outside)).unwrap_err().to_string();
+            assert!(error.contains("is outside of the frame"), "{outside:?}: {error}");
+        }
+        std::fs::remove_file(path).unwrap();
+    }
+}

@@ -117,12 +117,15 @@ impl Comment {
     /// Returns the number of seconds in the unit that a word or a sign of the comment, in lower case, names.
     fn named_unit_s(&self, lower: &str) -> Result<Option<f64>, String> {
         // Short words are units only in brackets, after "in" or "unit", or alone: "(s)", "in min", "hr".
-        let is_short =
-            |word: &str| word.len() <= 2 && !["us", "ms", "ns"].contains(&word) || ["min", "day"].contains(&word);
+        let is_short = |word: &str| {
+            word.len() <= 2 && !["us", "ms", "ns"].contains(&word)
+                || ["min", "day", "ora", "ore", "tag", "dia"].contains(&word)
+        };
         let marks = [
             "(",
             "[",
             "in ",
+            "en ",
             "unit ",
             "units ",
             "unit:",
@@ -146,8 +149,12 @@ impl Comment {
         // "(min/max)" is no unit.
         let follows = |mark: &str, word: &str| {
             let phrase = format!("{mark}{word}");
-            let mut nexts = lower.match_indices(&phrase).map(|(at, _)| lower[at + phrase.len()..].chars().next());
-            nexts.any(|next| next.is_none_or(|next| next != '/' && !next.is_ascii_alphanumeric()))
+            let is_part_of_word = |c: char| c.is_ascii_alphanumeric();
+            lower.match_indices(&phrase).any(|(at, _)| {
+                let (before, after) = (&lower[..at], &lower[at + phrase.len()..]);
+                let is_word = !(mark.starts_with(is_part_of_word) && before.ends_with(is_part_of_word));
+                is_word && !after.starts_with(|c: char| c == '/' || is_part_of_word(c))
+            })
         };
         // "Exposure time, h" and "Exposure time / min", but not "Exposure time; mount: min"
         let start = [",", ";", ":", " / "].iter().filter_map(|mark| Some(lower.rfind(mark)? + mark.len())).max();
@@ -331,8 +338,10 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
         ("deci", 0.1),
         ("centi", 1e-2),
         ("milli", 1e-3),
+        ("mili", 1e-3),
         ("m", 1e-3),
         ("micro", 1e-6),
+        ("mikro", 1e-6),
         ("u", 1e-6),
         ("nano", 1e-9),
         ("n", 1e-9),
@@ -355,6 +364,8 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
         name if is_second(name) => 1.0,
         name if is_of(&["minut"], name) => 60.0,
         name if is_of(&["hour", "heur", "hora", "stund"], name) => 3600.0,
+        "ora" | "ore" => 3600.0,
+        "giorno" | "giorni" | "tag" | "tage" | "tagen" | "dia" | "dias" => crate::constants::DAY_S,
         name if is_of(&["day", "jour"], name) => crate::constants::DAY_S,
         _ => prefixed()?,
     };
@@ -438,6 +449,15 @@ mod tests {
             ("Belichtungszeit in Minuten", Ok(Some(60.0))),
             ("duree en heures", Ok(Some(3600.0))),
             ("tiempo en segundos", Ok(Some(1.0))),
+            ("Belichtungszeit in Mikrosekunden", Ok(Some(1e-6))),
+            ("tiempo en milisegundos", Ok(Some(1e-3))),
+            ("tiempo en microsegundos", Ok(Some(1e-6))),
+            ("in ore", Ok(Some(3600.0))),
+            ("tempo di posa in giorni", Ok(Some(86400.0))),
+            ("in Tagen", Ok(Some(86400.0))),
+            ("en dias", Ok(Some(86400.0))),
+            ("duree en min", Ok(Some(60.0))),
+            ("tag of exposure, taken when min", Ok(None)),
             ("secondary mirror", Ok(None)),
             ("exposure (?s)", Err("a unit that is not ASCII".to_owned())),
         ] {
