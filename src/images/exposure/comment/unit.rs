@@ -12,7 +12,7 @@ const STEPS: &str = "ticks jiffies";
 const RESOLUTIONS: &str = "unit units tick ticks jiffies step steps increment increments multiple multiples resolution";
 /// Words and signs before a duration that limits the value or is its error.
 const LIMITS: &str = "max maximum min minimum error accuracy uncertainty precision";
-const LIMIT_SIGNS: &[&str] = &["+/-", "+-", "<", ">", "~"];
+const LIMIT_SIGNS: &[&str] = &["+/-", "+-", "<", ">"];
 /// Last words of the name of an exposure time.
 const EXPOSURE_TIME: &str = "time exposure exp exptime texp integration duration length";
 /// Largest difference between a duration in a comment and the value, a fraction of the duration.
@@ -159,11 +159,13 @@ impl Comment {
         // "Exposure time, h" and "Exposure time / min", but not "Exposure time; mount: min"
         let start = [",", ";", ":", " / "].iter().filter_map(|mark| Some(lower.rfind(mark)? + mark.len())).max();
         let (before, last) = lower.split_at(start.unwrap_or(0));
-        let last = last.trim().trim_end_matches('.');
+        let last = last.trim().trim_end_matches(['.', ')', ']']);
         let name = before.trim_end_matches(|c: char| !c.is_ascii_alphabetic());
         let name = name.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
         let is_last = name.is_empty() || lists(EXPOSURE_TIME, name);
-        let is_letter = ["D", "H"].contains(&self.text.trim().rsplit([' ', ',', ';', ':']).next().unwrap_or_default());
+        let is_letter = ["D", "H"].contains(
+            &self.text.trim_end_matches([' ', '.', ')', ']']).rsplit([' ', ',', ';', ':']).next().unwrap_or_default(),
+        );
         let is_other = is_short(last) && seconds_in(last).is_some_and(|unit_s| unit_s != 1.0);
         if is_other && !name.is_empty() && (if is_last { is_letter } else { !before.ends_with(':') }) {
             return Err(format!("seconds or in the unit {last}"));
@@ -439,6 +441,8 @@ mod tests {
             ("msec x 3 frames", Ok(Some(1e-3))),
             ("sec / 1000", Err("a unit divided or multiplied by a number".to_owned())),
             ("Exposure time, D", Err("seconds or in the unit d".to_owned())),
+            ("Exposure time, H.", Err("seconds or in the unit h".to_owned())),
+            ("Total (exposure time, min)", Ok(Some(60.0))),
             ("Exposure time, d", Ok(Some(86400.0))),
             ("Exposure time; mount: min", Ok(None)),
             ("Exposure time, filter: H", Ok(None)),
@@ -475,6 +479,7 @@ mod tests {
             ("5 minutes exposure", 300.0, Ok(Some(1.0))),
             ("5 minutes exposure", 5.0, Ok(Some(60.0))),
             ("5 minutes exposure", 4.0, unclear("5 minutes")),
+            ("~5 minutes", 299.0, Ok(Some(1.0))),
             ("exposure 5 min = 300 s", 300.0, Ok(Some(1.0))),
             ("Exposure 1/20 s", 0.05, Ok(Some(1.0))),
             ("Exposure time in 10 ms", 5.0, unclear("10 ms")),
