@@ -30,6 +30,9 @@ mod search;
 mod streak;
 mod table;
 
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use region::line_in_plane;
+
 pub use likelihood::{Candidate, Offset};
 pub use search::{Identified, IdentifyOptions, identify_streak};
 pub use streak::{MeasuredStreak, Timing};
@@ -38,6 +41,6 @@ pub use streak::{MeasuredStreak, Timing};
 // code of other features.
 #[doc(hidden)]
 pub use self::{
-    region::{fit_line, line_in_plane},
+    region::fit_line,
     table::{CandidateRow, candidate_table, streak_table},
 };

@@ -68,7 +68,7 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Error> 
 }
 
 /// Line through the mean of points in a plane, in the direction of their largest variance.
-pub struct PlaneLine {
+pub(crate) struct PlaneLine {
     /// Mean of the points.
     pub middle: Vector2<f64>,
     /// Unit vectors along the line and across it.
@@ -82,7 +82,7 @@ pub struct PlaneLine {
 }
 
 /// Fits a line to points in a plane.
-pub fn line_in_plane(points: &[Vector2<f64>]) -> PlaneLine {
+pub(crate) fn line_in_plane(points: &[Vector2<f64>]) -> PlaneLine {
     let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
     let along = longest(points, &middle);
     let across = Vector2::new(-along.y, along.x);
