@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use hifitime::Epoch;
+use nalgebra::Vector2;
 
 use super::error::request;
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
+use crate::identify::line_in_plane;
 use crate::images::{ExposureTime, FrameFile, FrameImages, Header, HeaderSite, PixelPosition, Wcs, site_from_headers};
 
 /// Parses pixel coordinates such as `1024.5,2048`, counted from 1.
@@ -86,10 +88,11 @@ pub(super) fn ends(
     Ok(([first, last], first.separation_rad(&last).to_degrees() * 3600.0 / length_pix))
 }
 
-/// Returns the sky positions of the corners or ends of the part of a region in the frame.
+/// Returns the sky positions of the ends of the part of a line in the frame, or of the corners of a region. If the region
+/// reaches beyond the frame, they are those of a box of the same width around the part of its middle line in the frame.
 ///
 /// # Errors
-/// The region is outside of the frame, or has no position on the sky.
+/// The middle line is outside of the frame, or has no position on the sky.
 pub(super) fn region(
     path: &Path,
     hdu: Option<usize>,
@@ -100,28 +103,22 @@ pub(super) fn region(
     }
     let (file, number) = image(path, hdu)?;
     let [rows, columns] = file.image_size(number)?;
-    let mut part = corners.to_vec();
-    // One edge of the frame after the other (Sutherland and Hodgman 1974). Distances are positive inside.
-    let (right, top) = (columns as f64 - 0.5, rows as f64 - 0.5);
-    let edges: [&dyn Fn(&PixelPosition) -> f64; 4] =
-        [&|at| at.x + 0.5, &|at| right - at.x, &|at| at.y + 0.5, &|at| top - at.y];
-    for distance in edges {
-        let sides = part.iter().zip(part.iter().cycle().skip(1));
-        part = sides
-            .flat_map(|(from, to)| {
-                let [here, there] = [from, to].map(distance);
-                let share = here / (here - there);
-                let crossing =
-                    PixelPosition { x: from.x + share * (to.x - from.x), y: from.y + share * (to.y - from.y) };
-                let start = (here >= 0.0).then_some(*from);
-                start.into_iter().chain(((here < 0.0) != (there < 0.0)).then_some(crossing))
-            })
-            .collect();
+    let is_within = |at: &PixelPosition| {
+        (-0.5..=columns as f64 - 0.5).contains(&at.x) && (-0.5..=rows as f64 - 0.5).contains(&at.y)
+    };
+    if corners.iter().all(is_within) {
+        return directions(path, hdu, corners);
     }
-    let within = |at: PixelPosition| PixelPosition { x: at.x.clamp(-0.5, right), y: at.y.clamp(-0.5, top) };
-    let part: Vec<PixelPosition> = part.into_iter().map(within).collect();
-    // A region outside of the frame is an error of its first corner.
-    directions(path, hdu, if part.is_empty() { &corners[..1] } else { &part })
+    let points: Vec<Vector2<f64>> = corners.iter().map(|at| Vector2::new(at.x, at.y)).collect();
+    let line = line_in_plane(&points);
+    let ends = [line.low, line.high].map(|way| line.middle + line.along * way);
+    let ends = clipped(path, hdu, ends.map(|end| PixelPosition { x: end.x, y: end.y }))?;
+    // Both ends are outside of the frame if the line is.
+    directions(path, hdu, &ends)?;
+    let side = line.across * line.half_width;
+    let [from, to] = ends;
+    let corner = |at: PixelPosition, sign: f64| PixelPosition { x: at.x + sign * side.x, y: at.y + sign * side.y };
+    sky_positions(&file, path, number, &[corner(from, -1.0), corner(to, -1.0), corner(to, 1.0), corner(from, 1.0)])
 }
 
 /// Returns the sky positions of pixels.
@@ -132,8 +129,7 @@ pub(super) fn directions(
 ) -> Result<Vec<Direction<Gcrs>>, Error> {
     let (file, hdu) = image(path, hdu)?;
     let [rows, columns] = file.image_size(hdu)?;
-    let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| error.in_hdu(path, hdu))?;
-    let sky_position = |pixel: &PixelPosition| {
+    for pixel in pixels {
         let [x, y] = pixel.fits();
         // The centre of the first pixel has the coordinate 1, its lower edge 0.5.
         let is_within = |at: f64, count: usize| (0.5..=count as f64 + 0.5).contains(&at);
@@ -142,6 +138,20 @@ pub(super) fn directions(
             let allowed = format!("X from 0.5 to {right}, Y from 0.5 to {top}, counted from 1");
             return Err(request(format!("pixel {x},{y} is outside of the frame")).allowing(allowed).in_hdu(path, hdu));
         }
+    }
+    sky_positions(&file, path, hdu, pixels)
+}
+
+/// Returns the sky positions of pixels, which may be outside of the frame.
+fn sky_positions(
+    file: &FrameFile,
+    path: &Path,
+    hdu: usize,
+    pixels: &[PixelPosition],
+) -> Result<Vec<Direction<Gcrs>>, Error> {
+    let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| error.in_hdu(path, hdu))?;
+    let sky_position = |pixel: &PixelPosition| {
+        let [x, y] = pixel.fits();
         wcs.to_sky(*pixel).ok_or_else(|| {
             request(format!("pixel {x},{y} has no position on the sky"))
                 .allowing("pixels inside the range of the world coordinates")
@@ -175,4 +185,57 @@ pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<HeaderSite>
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
     site_from_headers(&headers).map_err(|error| error.in_file("", path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::fit_line;
+
+    /// Returns the path of a frame of 120 by 100 pixels of 1 arcsec, with north up and east left.
+    fn frame(name: &str) -> std::path::PathBuf {
+        let cards = "SIMPLE  = T\nBITPIX  = 8\nNAXIS   = 2\nNAXIS1  = 120\nNAXIS2  = 100\nCTYPE1  = 'RA---TAN'\n\
+                     CTYPE2  = 'DEC--TAN'\nCRVAL1  = 150.0\nCRVAL2  = 0.0\nCRPIX1  = 60.5\nCRPIX2  = 50.5\n\
+                     CDELT1  = -2.7777777777777778E-4\nCDELT2  = 2.7777777777777778E-4\nEND";
+        let header: String = cards.lines().map(|card| format!("{card:80}")).collect();
+        let path = std::env::temp_dir().join(format!("streakcast-{}-{name}.fits", std::process::id()));
+        std::fs::write(&path, format!("{header:2880}{}", "\0".repeat(5 * 2880))).unwrap();
+        path
+    }
+
+    /// Returns the corners of `box(x,y,width,height,angle)`, counted from 1.
+    fn corners([x, y, width, height, angle_deg]: [f64; 5]) -> Vec<PixelPosition> {
+        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
+            .map(|(along, across)| (along * width, across * height))
+            .map(|(along, across)| {
+                PixelPosition::from_fits(x + along * cos - across * sin, y + along * sin + across * cos)
+            })
+            .to_vec()
+    }
+
+    /// The part of a box in the frame is lopsided; the line is that of the whole box.
+    #[test]
+    fn verif_boxes_beyond_the_frame_keep_their_direction() {
+        let path = frame("boxes");
+        for (shape, angle_deg, half_width_arcsec, length_arcsec) in [
+            ([60.5, 50.5, 60.0, 10.0, 20.0], 110.0, 5.0, 60.0),
+            ([100.0, 90.0, 160.0, 30.0, 45.0], 135.0, 15.0, 10.5 * 2f64.sqrt() + 80.0),
+            ([115.0, 50.0, 100.0, 40.0, 20.0], 110.0, 20.0, 50.0 + 5.5 / 20f64.to_radians().cos()),
+            ([2.0, 50.0, 60.0, 10.0, 150.0], 60.0, 5.0, 30.0 + 1.5 / 30f64.to_radians().cos()),
+        ] {
+            let line = fit_line(&[region(&path, None, &corners(shape)).unwrap()]).unwrap();
+            let found_deg = line.ends[0].position_angle_rad(&line.ends[1]).to_degrees().rem_euclid(180.0);
+            let length = line.ends[0].separation_rad(&line.ends[1]).to_degrees() * 3600.0;
+            let half_width = line.half_width_rad.to_degrees() * 3600.0;
+            assert!((found_deg - angle_deg).abs() < 0.01, "{shape:?}: {found_deg}");
+            assert!((length - length_arcsec).abs() < 0.01, "{shape:?}: {length}");
+            assert!((half_width - half_width_arcsec).abs() < 0.01, "{shape:?}: {half_width}");
+        }
+        for outside in [[121.0, 50.0, 1.0, 10.0, 0.0], [121.4, 50.0, 4.0, 10.0, 0.0]] {
+            let error = region(&path, None, &corners(outside)).unwrap_err().to_string();
+            assert!(error.contains("is outside of the frame"), "{outside:?}: {error}");
+        }
+        std::fs::remove_file(path).unwrap();
+    }
 }

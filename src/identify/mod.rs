@@ -30,6 +30,9 @@ mod search;
 mod streak;
 mod table;
 
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use region::line_in_plane;
+
 pub use likelihood::{Candidate, Offset};
 pub use search::{Identified, IdentifyOptions, identify_streak};
 pub use streak::{MeasuredStreak, Timing};

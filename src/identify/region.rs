@@ -37,14 +37,7 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Error> 
     // On the tangent plane, great circles are straight lines.
     let plane = |corner: &Vector3<f64>| Vector2::new(corner.dot(&east), corner.dot(&north)) / corner.dot(&centre);
     let points: Vec<Vector2<f64>> = corners.iter().map(plane).collect();
-    let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
-    let along = longest(&points, &middle);
-    let across = Vector2::new(-along.y, along.x);
-    let half_width_rad =
-        (points.iter().map(|point| (point - middle).dot(&across).powi(2)).sum::<f64>() / points.len() as f64).sqrt();
-
-    let positions = points.iter().map(|point| (point - middle).dot(&along));
-    let (low, high) = extremes(positions);
+    let PlaneLine { middle, along, across, half_width: half_width_rad, low, high } = line_in_plane(&points);
     if high <= low {
         return Err(no_line());
     }
@@ -72,6 +65,31 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Error> 
     });
     let has_width = outlines.iter().any(|outline| outline.len() > 2);
     Ok(FittedLine { ends, half_width_rad, has_width })
+}
+
+/// Line through the mean of points in a plane, in the direction of their largest variance.
+pub(crate) struct PlaneLine {
+    /// Mean of the points.
+    pub middle: Vector2<f64>,
+    /// Unit vectors along the line and across it.
+    pub along: Vector2<f64>,
+    pub across: Vector2<f64>,
+    /// Root mean square distance of the points from the line.
+    pub half_width: f64,
+    /// Positions of the outermost points along the line, from its middle.
+    pub low: f64,
+    pub high: f64,
+}
+
+/// Fits a line to points in a plane.
+pub(crate) fn line_in_plane(points: &[Vector2<f64>]) -> PlaneLine {
+    let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
+    let along = longest(points, &middle);
+    let across = Vector2::new(-along.y, along.x);
+    let half_width =
+        (points.iter().map(|point| (point - middle).dot(&across).powi(2)).sum::<f64>() / points.len() as f64).sqrt();
+    let (low, high) = extremes(points.iter().map(|point| (point - middle).dot(&along)));
+    PlaneLine { middle, along, across, half_width, low, high }
 }
 
 /// Returns the direction of the largest variance of points.

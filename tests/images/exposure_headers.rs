@@ -333,6 +333,7 @@ fn verif_lengths_of_several_exposures_and_units() {
         ("EXPTIME = 2.0 / Integration time\nHIERARCH ESO DET NDIT = 10", "ESO DET NDIT is 10"),
         ("EXPTIME = 20 / [fortnight]", "20 in the unit [fortnight]"),
         ("EXPTIME = 20 / in seconds or ms", "20 in several units"),
+        ("EXPTIME = 5 / Exposure time in 10 ms", "5 in seconds or in the unit of \"10 ms\" (comment"),
     ] {
         let error = time(&format!("{at}{cards}")).expect_err(words);
         assert!(error.contains(words) && error.contains("--exposure"), "{error}");
@@ -341,6 +342,8 @@ fn verif_lengths_of_several_exposures_and_units() {
         ("EXPTIME = 20000 / [us] exposure time", 0.02),
         ("EXPOSURE= 2.0E-05 / [d] time on source", 1.728),
         ("EXPTIME = 0.5 / [h]", 1800.0),
+        ("EXPTIME = 300 / 5 minutes exposure", 300.0),
+        ("EXPTIME = 5 / Exposure (min/frame)", 300.0),
         ("EXPTIME = 120 / Exposure time (min)", 7200.0),
         ("EXPTIME = 30.0 / exposure 1/3 (seconds)", 30.0),
         ("EXPTIME = 30.0 / seconds, frame 1/5", 30.0),

@@ -5,7 +5,7 @@ use crate::error::Error;
 
 use super::super::card::{Card, CardValue};
 use super::super::header::Header;
-use super::comment::{Comment, seconds_in};
+use super::comment::{Comment, begins_with_exposure, seconds_in};
 use super::instants::unreadable;
 use super::moment::{Keywords, bare, is_spelling};
 
@@ -99,7 +99,7 @@ const STACKING_PROGRAMS: &[&str] = &["deepskystacker", "astro pixel processor", 
 
 /// Comments of other counts of added frames state a number of [`FRAMES`], have a word of [`ADDED`], and none of
 /// [`OF_CALIBRATION`].
-const FRAMES: &str = "image images frame frames exposure exposures subframe subframes sub subs subexposures inputs \
+pub(super) const FRAMES: &str = "image images frame frames exposure exposures subframe subframes sub subs subexposures inputs \
      files lights";
 /// Frames, if they are several.
 const SEVERAL: &str = "images frames exposures subexposures subframes subs inputs files lights accumulations";
@@ -328,7 +328,7 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error
         let allowed = "one of [s], [ms], [us], [ns], [min], [h], [d]; or for example --exposure 30s";
         Error::invalid(keyword.clone(), given, allowed)
     };
-    let unit_s = match comment.unit_s().map_err(in_unit)? {
+    let unit_s = match comment.unit_of_s(number).map_err(in_unit)? {
         Some(unit_s) => unit_s,
         None if keyword == EXPOINUS => 1e-6,
         None => match keywords.text(UNITS) {
@@ -352,10 +352,7 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error
 /// not.
 fn is_of_part(comment: &Comment) -> bool {
     // "s/frame"
-    let mut divisors =
-        comment.text().split('/').skip(1).map(|rest| rest.split(|c: char| !c.is_ascii_alphabetic()).next());
-    let is_per_frame =
-        divisors.any(|word| word.is_some_and(|word| FRAMES.split(' ').any(|frame| frame == word.to_ascii_lowercase())));
+    let is_per_frame = comment.text().to_ascii_lowercase().split('/').skip(1).any(begins_with_exposure);
     is_per_frame || (comment.has(PER_PART) && !comment.has_pair("per", "pixel pix"))
 }
 

@@ -10,5 +10,5 @@ mod unit;
 mod words;
 
 pub use part::AFTER_EXPOSURE;
-pub use unit::seconds_in;
+pub use unit::{begins_with_exposure, seconds_in};
 pub use words::{Comment, Role};

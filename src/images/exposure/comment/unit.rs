@@ -1,21 +1,40 @@
 //! Units of time in comments.
 
-use super::words::{Comment, lists};
+use std::ops::Range;
 
-/// Words of steps, before or after their size, as in "units of 10 ms" and "10 ms steps".
-const SIZED: &str = "unit units step steps tick ticks increments multiples";
+use super::super::length::FRAMES;
+use super::words::{Comment, EXPOSURE, lists};
+
+/// Words before the size of a unit, as in "units of 10 ms" and "1 tick = 10 ms", and words of steps without a size.
+const SIZED: &str = "unit units tick ticks";
 const STEPS: &str = "ticks jiffies";
+/// Words beside a duration that may be the size of a unit or a resolution.
+const RESOLUTIONS: &str = "unit units tick ticks jiffies step steps increment increments multiple multiples resolution";
+/// Words and signs before a duration that limits the value or is its error.
+const LIMITS: &str = "max maximum min minimum error accuracy uncertainty precision";
+const LIMIT_SIGNS: &[&str] =
+    &["+/-", "+-", "<", ">", "than", "within", "accurate to", "precise to", "rounded to", "good to"];
+/// Last words of the name of an exposure time.
+const EXPOSURE_TIME: &str = "time exposure exp exptime texp integration duration length";
+/// Largest difference between a duration in a comment and the value, a fraction of the duration.
+const QUANTITY_SLACK: f64 = 0.01;
 /// Endings of words of seconds, minutes and hours in several languages, after their stems.
 const ENDINGS: &[&str] = &["", "s", "e", "es", "en", "n", "o", "os", "i", "a", "as"];
 
 impl Comment {
-    /// Returns the number of seconds in the unit of time that the comment states; `None` if it states none.
+    /// Returns the number of seconds in the unit of time that the comment states, as [`Comment::unit_of_s`], without the
+    /// value: durations in the comment are errors.
+    pub fn unit_s(&self) -> Result<Option<f64>, String> {
+        self.unit_of_s(f64::NAN)
+    }
+
+    /// Returns the number of seconds in the unit of time that the comment states for a value; `None` if it states none.
     ///
     /// A unit in brackets at the beginning (FITS standard 4.0, section 4.3.2) takes precedence over words.
     ///
     /// # Errors
-    /// An unknown unit in brackets, or several units.
-    pub fn unit_s(&self) -> Result<Option<f64>, String> {
+    /// An unknown unit in brackets, several units, or a duration that is not the value.
+    pub fn unit_of_s(&self, value: f64) -> Result<Option<f64>, String> {
         if let Some((unit, _)) = self.text.trim_start().strip_prefix('[').and_then(|rest| rest.split_once(']'))
             && unit.bytes().any(|byte| byte.is_ascii_alphabetic())
         {
@@ -34,31 +53,80 @@ impl Comment {
         if lower.contains("?s") {
             return Err("a unit that is not ASCII".to_owned());
         }
-        if is_clock_form(&lower) {
+        if is_divided(&lower) {
+            return Err("a unit divided or multiplied by a number".to_owned());
+        }
+        let (text, has_clock_form) = without_clock_forms(&without_least_values(&without_divisors(&lower)));
+        // In "exposure in s, error 10 ms" and "seconds (1/60 s steps)", the number with a unit is no unit of the value.
+        let quantities = quantities(&text);
+        let mut bare = text.clone();
+        for quantity in quantities.iter().rev() {
+            bare.replace_range(quantity.at.clone(), "");
+        }
+        if let Some(unit_s) = self.named_unit_s(&bare)? {
+            return Ok(Some(unit_s));
+        }
+        if has_clock_form {
             return Err("the form of a clock, such as h:m:s".to_owned());
         }
-        let multiple_s = multiple(&lower)?;
-        // In "exposure in s, error 10 ms" and "seconds (1/60 s steps)", the number with a unit is no unit of the value.
-        let bare = without_quantities(&lower);
-        let unit = self.named_unit_s(&bare)?;
-        if unit.is_some() || multiple_s.is_some() {
-            return Ok(unit.or(multiple_s));
-        }
-        match self.named_unit_s(&lower)? {
-            None if self.has(STEPS) => Err("steps of unknown size".to_owned()),
-            unit => Ok(unit),
+        self.unit_of_quantities_s(&text, &quantities, value)
+    }
+
+    /// Returns the number of seconds in the unit of a value beside durations: `10 ms` as in "units of 10 ms", `1/1000 s` as
+    /// in "in 1/1000 s", a second if a duration is the value in seconds, and its unit if the number is the value.
+    fn unit_of_quantities_s(&self, text: &str, all: &[Quantity], value: f64) -> Result<Option<f64>, String> {
+        let last_word =
+            |text: &str| text.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default().to_owned();
+        let before = |quantity: &Quantity| text[..quantity.at.start].trim_end();
+        let is_limit = |quantity: &&Quantity| {
+            let before = before(quantity).trim_end_matches([' ', ':', '=', '.']);
+            lists(LIMITS, &last_word(before)) || LIMIT_SIGNS.iter().any(|sign| before.ends_with(sign))
+        };
+        let stated: Vec<&Quantity> = all.iter().filter(|quantity| !is_limit(quantity)).collect();
+        let Some(first) = stated.first() else {
+            return if self.has(STEPS) { Err("steps of unknown size".to_owned()) } else { Ok(None) };
+        };
+        let is_size = |quantity: &&&Quantity| {
+            let before = before(quantity);
+            let named = before.strip_suffix("of").or_else(|| before.strip_suffix('=')).map(str::trim_end);
+            named.is_some_and(|named| lists(SIZED, &last_word(named)))
+                || (quantity.is_fraction && last_word(before) == "in")
+        };
+        let agree = |duration: f64| (value - duration).abs() <= QUANTITY_SLACK * duration;
+        let shown = || format!("seconds or in the unit of {:?}", &text[first.at.clone()]);
+        let mut units: Vec<f64> = if let Some(size) = stated.iter().find(is_size) {
+            if value.fract() != 0.0 {
+                return Err(shown());
+            }
+            vec![size.number * size.unit_s]
+        } else if self.has(RESOLUTIONS) {
+            return Err("a unit or a resolution".to_owned());
+        } else {
+            let unit_s = |quantity: &&Quantity| {
+                let is_in_seconds = agree(quantity.number * quantity.unit_s);
+                if is_in_seconds { Some(1.0) } else { agree(quantity.number).then_some(quantity.unit_s) }
+            };
+            stated.iter().filter_map(unit_s).collect()
+        };
+        units.dedup();
+        match units[..] {
+            [unit_s] => Ok(Some(unit_s)),
+            _ => Err(shown()),
         }
     }
 
     /// Returns the number of seconds in the unit that a word or a sign of the comment, in lower case, names.
     fn named_unit_s(&self, lower: &str) -> Result<Option<f64>, String> {
         // Short words are units only in brackets, after "in" or "unit", or alone: "(s)", "in min", "hr".
-        let is_short =
-            |word: &str| word.len() <= 2 && !["us", "ms", "ns"].contains(&word) || ["min", "day"].contains(&word);
+        let is_short = |word: &str| {
+            word.len() <= 2 && !["us", "ms", "ns"].contains(&word)
+                || ["min", "day", "ora", "ore", "tag", "dia"].contains(&word)
+        };
         let marks = [
             "(",
             "[",
             "in ",
+            "en ",
             "unit ",
             "units ",
             "unit:",
@@ -82,14 +150,28 @@ impl Comment {
         // "(min/max)" is no unit.
         let follows = |mark: &str, word: &str| {
             let phrase = format!("{mark}{word}");
-            let mut nexts = lower.match_indices(&phrase).map(|(at, _)| lower[at + phrase.len()..].chars().next());
-            nexts.any(|next| next.is_none_or(|next| next != '/' && !next.is_ascii_alphanumeric()))
+            let is_part_of_word = |c: char| c.is_ascii_alphanumeric();
+            lower.match_indices(&phrase).any(|(at, _)| {
+                let (before, after) = (&lower[..at], &lower[at + phrase.len()..]);
+                let is_word = !(mark.starts_with(is_part_of_word) && before.ends_with(is_part_of_word));
+                is_word && !after.starts_with(|c: char| c == '/' || is_part_of_word(c))
+            })
         };
-        // "Exposure time, h" and "Exposure time / min", but not "(min 0.1, max 30)".
-        let last = lower.rsplit([',', ';', ':']).next().unwrap_or_default();
-        let last = last.rsplit(" / ").next().unwrap_or_default().trim().trim_end_matches('.');
-        let is_least = |word: &str| word == "min" && lower.contains("max");
-        let is_marked = |word: &str| !is_least(word) && (last == word || marks.iter().any(|mark| follows(mark, word)));
+        // "Exposure time, h" and "Exposure time / min", but not "Exposure time; mount: min"
+        let start = [",", ";", ":", " / "].iter().filter_map(|mark| Some(lower.rfind(mark)? + mark.len())).max();
+        let (before, last) = lower.split_at(start.unwrap_or(0));
+        let last = last.trim().trim_end_matches(['.', ')', ']']);
+        let name = before.trim_end_matches(|c: char| !c.is_ascii_alphabetic());
+        let name = name.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        let is_last = name.is_empty() || lists(EXPOSURE_TIME, name);
+        let is_letter = ["D", "H"].contains(
+            &self.text.trim_end_matches([' ', '.', ')', ']']).rsplit([' ', ',', ';', ':']).next().unwrap_or_default(),
+        );
+        let is_other = is_short(last) && seconds_in(last).is_some_and(|unit_s| unit_s != 1.0);
+        if is_other && !name.is_empty() && (if is_last { is_letter } else { !before.ends_with(':') }) {
+            return Err(format!("seconds or in the unit {last}"));
+        }
+        let is_marked = |word: &str| (is_last && last == word) || marks.iter().any(|mark| follows(mark, word));
         if is_marked("m") {
             return Err("the unit m".to_owned());
         }
@@ -116,80 +198,129 @@ impl Comment {
     }
 }
 
-/// Returns the number of seconds in a unit with a factor: `1/1000 s` anywhere, and `10 ms` as in "units of 10 ms" and
-/// "10 ms steps"; `None` if the text contains none.
-///
-/// # Errors
-/// A unit divided or multiplied by a number.
-fn multiple(text: &str) -> Result<Option<f64>, String> {
-    let text = text.trim();
-    let is_part_of_word = |c: char| c.is_ascii_alphanumeric() || c == '.';
-    let begins_word = |at: usize| !text[..at].ends_with(is_part_of_word);
-    let numbers = text.char_indices().filter(|(at, c)| c.is_ascii_digit() && begins_word(*at));
-    for (at, _) in numbers {
-        let end =
-            at + text[at..].find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '/')).unwrap_or(text.len() - at);
-        let (top, bottom) = text[at..end].split_once('/').unwrap_or((&text[at..end], "1"));
+/// Duration in a comment, in lower case.
+struct Quantity {
+    at: Range<usize>,
+    number: f64,
+    unit_s: f64,
+    /// True for `1/1000 s`.
+    is_fraction: bool,
+}
+
+/// Returns the end of a number, perhaps a fraction or with an exponent, that begins a text.
+fn number_end(text: &str) -> usize {
+    let end = |text: &str, signs: &[char]| {
+        text.find(|c: char| !(c.is_ascii_digit() || signs.contains(&c))).unwrap_or(text.len())
+    };
+    let mantissa = end(text, &['.', '/']);
+    let exponent = text[mantissa..].strip_prefix('e').map(|rest| rest.trim_start_matches(['+', '-']));
+    match exponent.map(|digits| (digits, end(digits, &[]))) {
+        Some((digits, count)) if count > 0 => text.len() - digits.len() + count,
+        _ => mantissa,
+    }
+}
+
+/// Returns the numbers of a text, in lower case, that are followed by a unit of time.
+fn quantities(text: &str) -> Vec<Quantity> {
+    let mut quantities = Vec::new();
+    let mut from = 0;
+    while let Some(offset) = text[from..].find(|c: char| c.is_ascii_digit()) {
+        let digit = from + offset;
+        let before = text[..digit].strip_suffix('.').filter(|before| !before.ends_with(char::is_alphanumeric));
+        let before = before.unwrap_or(&text[..digit]);
+        let start = before.len();
+        let end = start + number_end(&text[start..]);
+        from = end;
+        let (top, bottom) = text[start..end].split_once('/').unwrap_or((&text[start..end], "1"));
         let (Ok(top), Ok(bottom)) = (top.parse::<f64>(), bottom.parse::<f64>()) else { continue };
+        let rest = text[end..].trim_start_matches([' ', '-']);
+        let unit = &rest[..rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len())];
+        // "2D image"
+        let is_dimension = text[end..].starts_with('d') && unit == "d";
+        let Some(unit_s) = seconds_in(unit).filter(|_| !is_dimension && bottom > 0.0) else { continue };
+        if before.ends_with(char::is_alphanumeric) {
+            continue;
+        }
+        from = text.len() - rest.len() + unit.len();
         let is_fraction = top == 1.0 && bottom > 1.0;
-        let before = text[..at].trim_end();
-        let word_before = before.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-        let operator = before.chars().next_back().filter(|c| matches!(c, '/' | '*' | 'x'));
-        let is_operator = operator.is_some_and(|c| c != 'x' || word_before == "x");
-        let factored = before.trim_end_matches(['/', '*', 'x', ' ']);
-        let unit_before = factored.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-        if is_operator && seconds_in(unit_before).is_some() && factored.ends_with(|c: char| c.is_ascii_alphabetic()) {
-            return Err("a unit divided or multiplied by a number".to_owned());
-        }
-        let rest = text[end..].trim_start();
-        let unit_end = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
-        let Some(unit_s) = seconds_in(&rest[..unit_end]) else { continue };
-        let mut after = rest[unit_end..].split(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty());
-        let mut words_before = before.rsplit(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty());
-        let (last, last_but_one) = (words_before.next(), words_before.next());
-        let is_sized = |word: Option<&str>| word.is_some_and(|word| lists(SIZED, word));
-        // "30 s" alone repeats the value.
-        let is_unit = (last == Some("of") && is_sized(last_but_one)) || is_sized(after.next());
-        if is_fraction || (is_unit && bottom == 1.0 && top > 0.0) {
-            return Ok(Some(unit_s * top / bottom));
-        }
+        quantities.push(Quantity { at: start..from, number: top / bottom, unit_s, is_fraction });
     }
-    Ok(None)
+    quantities
 }
 
-/// Returns a text without numbers that are followed by a unit, and without this unit.
-fn without_quantities(text: &str) -> String {
-    let (mut kept, mut rest) = (String::new(), text);
-    while let Some(at) = rest.find(|c: char| c.is_ascii_digit()) {
-        let end =
-            at + rest[at..].find(|c: char| !(c.is_ascii_digit() || c == '.' || c == '/')).unwrap_or(rest.len() - at);
-        let unit = rest[end..].trim_start();
-        let unit_end = unit.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(unit.len());
-        let is_quantity = seconds_in(&unit[..unit_end]).is_some()
-            && !(kept.clone() + &rest[..at]).ends_with(|c: char| c.is_ascii_alphanumeric());
-        kept += &rest[..if is_quantity { at } else { end }];
-        rest = if is_quantity { &unit[unit_end..] } else { &rest[end..] };
-    }
-    kept + rest
+/// Returns true if a text contains a unit divided or multiplied by a number, as in "secs/1000", but not "s / 2 coadds".
+fn is_divided(text: &str) -> bool {
+    text.match_indices(['/', '*', 'x']).any(|(at, _)| {
+        let unit = text[..at].trim_end();
+        let unit = unit.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        let number = text[at + 1..].trim_start();
+        let end = number_end(number);
+        end > 0 && seconds_in(unit).is_some() && !begins_with_exposure(&number[end..])
+    })
 }
 
-/// Returns true if a text contains units joined by colons, as in "(hours:min)" and "hh:mm:ss".
-fn is_clock_form(text: &str) -> bool {
+/// Returns true if the first word of a text, in lower case, is one of an exposure, as in "min/frame".
+pub fn begins_with_exposure(text: &str) -> bool {
+    let word = text.trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+    lists(FRAMES, word) || lists(EXPOSURE, word)
+}
+
+/// Returns a text without "/frame" and similar words.
+fn without_divisors(text: &str) -> String {
+    let mut parts = text.split('/');
+    let mut kept = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        if begins_with_exposure(part) {
+            kept += part.trim_start().trim_start_matches(|c: char| c.is_ascii_alphabetic());
+        } else {
+            kept += "/";
+            kept += part;
+        }
+    }
+    kept
+}
+
+/// Returns a text in which least values, as in "min 0.1, max 3600", are written as greatest ones, because "min" is also a
+/// unit.
+fn without_least_values(text: &str) -> String {
+    let value = |at: usize, word: &str| text[at + word.len()..].trim_start_matches([' ', '.', '=', ':', '<', '>']);
+    let limits = |word: &'static str| {
+        text.match_indices(word).map(|(at, _)| at).filter(move |at| {
+            let before = text[..*at].trim_end();
+            let is_word = before.len() < *at || !before.ends_with(|c: char| c.is_ascii_alphabetic());
+            let is_word = is_word && !before.ends_with(|c: char| c.is_ascii_digit());
+            is_word && value(*at, word).starts_with(|c: char| c.is_ascii_digit())
+        })
+    };
+    let has_greatest = limits("max").chain(limits("maximum")).next().is_some();
+    let mut kept = text.to_owned();
+    for at in limits("min") {
+        if has_greatest || quantities(value(at, "min")).first().is_some_and(|quantity| quantity.at.start == 0) {
+            kept.replace_range(at..at + "min".len(), "max");
+        }
+    }
+    kept
+}
+
+/// Returns a text without units joined as on a clock, as in "(hours:min)" and "hh:mm:ss", and true if it had some.
+fn without_clock_forms(text: &str) -> (String, bool) {
     let is_unit = |word: &str| {
         let first = word.chars().next();
         let is_repeated =
             || word.len() <= 2 && "hms".contains(first.unwrap_or(' ')) && word.chars().all(|c| Some(c) == first);
-        seconds_in(word).is_some() || is_repeated() || word == "m"
+        !word.is_empty() && (seconds_in(word).is_some() || is_repeated())
     };
-    if ["mm.ss", "hh.mm", "mmss", "hhmm"].iter().any(|form| text.contains(form)) {
-        return true;
+    let is_form = |run: &str| {
+        let words: Vec<&str> = run.split(':').collect();
+        words.windows(2).any(|pair| is_unit(pair[0]) && is_unit(pair[1]))
+    };
+    let mut kept = text.to_owned();
+    let runs = text.split(|c: char| c != ':' && !c.is_ascii_alphabetic());
+    for form in runs.filter(|run| is_form(run)).chain(["mm.ss", "hh.mm", "mmss", "hhmm"]) {
+        kept = kept.replace(form, "");
     }
-    let is_form = |(at, _): (usize, &str)| {
-        let before = text[..at].rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-        let after = text[at + 1..].split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-        is_unit(before) && is_unit(after)
-    };
-    text.match_indices(':').any(is_form)
+    let has_some = kept != text;
+    (kept, has_some)
 }
 
 /// Returns the number of seconds in a unit of time, for example `ms`, `10 us`, `1/1000 s`, `hours` or `Minuten`; `None` for
@@ -210,8 +341,10 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
         ("deci", 0.1),
         ("centi", 1e-2),
         ("milli", 1e-3),
+        ("mili", 1e-3),
         ("m", 1e-3),
         ("micro", 1e-6),
+        ("mikro", 1e-6),
         ("u", 1e-6),
         ("nano", 1e-9),
         ("n", 1e-9),
@@ -234,6 +367,8 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
         name if is_second(name) => 1.0,
         name if is_of(&["minut"], name) => 60.0,
         name if is_of(&["hour", "heur", "hora", "stund"], name) => 3600.0,
+        "ora" | "ore" => 3600.0,
+        "giorno" | "giorni" | "tag" | "tage" | "tagen" | "dia" | "dias" => crate::constants::DAY_S,
         name if is_of(&["day", "jour"], name) => crate::constants::DAY_S,
         _ => prefixed()?,
     };
@@ -267,7 +402,6 @@ mod tests {
             ("[0:3600] exposure", Ok(None)),
             ("[furlong] exposure", Err("the unit [furlong]".to_owned())),
             ("seconds, not ms", Err("several units".to_owned())),
-            ("Exposure in 1/1000 s", Ok(Some(1e-3))),
             ("[1/10000 s] exposure", Ok(Some(1e-4))),
             ("in milli-seconds", Ok(Some(1e-3))),
             ("micro seconds", Ok(Some(1e-6))),
@@ -285,27 +419,90 @@ mod tests {
             ("exposure in s: requested", Ok(Some(1.0))),
             ("secs/1000", Err("a unit divided or multiplied by a number".to_owned())),
             ("exposure (seconds x 10)", Err("a unit divided or multiplied by a number".to_owned())),
-            ("in units of 10 ms", Ok(Some(0.01))),
-            ("10 ms steps", Ok(Some(0.01))),
-            ("ticks of 1/60 s", Ok(Some(1.0 / 60.0))),
-            ("30 s", Ok(None)),
             ("exposure in s, error 10 ms", Ok(Some(1.0))),
             ("seconds; 1/60 s accuracy", Ok(Some(1.0))),
             ("exposure [ms], dead time 2 s", Ok(Some(1e-3))),
             ("ticks", Err("steps of unknown size".to_owned())),
-            ("exposure of 30 s", Ok(None)),
             ("exposure (max 30 s)", Ok(None)),
             ("seconds (min 0.1, max 3600)", Ok(Some(1.0))),
+            ("exposure (min 0.1, max 3600)", Ok(None)),
+            ("exposure (min: 0.1 s)", Ok(None)),
+            ("Exposure in min (max 60)", Ok(Some(60.0))),
+            ("(min) maximum 60", Ok(Some(60.0))),
+            ("Integration time (min), MaxIm DL", Ok(Some(60.0))),
+            ("exposure in min, climax", Ok(Some(60.0))),
+            ("exposure in min, max. of 3 attempts", Ok(Some(60.0))),
+            ("(min/frame)", Ok(Some(60.0))),
+            ("Exposure (h/frame)", Ok(Some(3600.0))),
+            ("exposure time, min / coadd", Ok(Some(60.0))),
+            ("Exposure time in seconds, hh:mm start", Ok(Some(1.0))),
+            ("Exposure in s (see UT: h:m:s)", Ok(Some(1.0))),
+            ("h:m:s start, exposure in min", Ok(Some(60.0))),
+            ("Exposure in sec / 2 coadds", Ok(Some(1.0))),
+            ("msec x 3 frames", Ok(Some(1e-3))),
+            ("sec / 1000", Err("a unit divided or multiplied by a number".to_owned())),
+            ("Exposure time, D", Err("seconds or in the unit d".to_owned())),
+            ("Exposure time, H.", Err("seconds or in the unit h".to_owned())),
+            ("Total (exposure time, min)", Ok(Some(60.0))),
+            ("Exposure time, d", Ok(Some(86400.0))),
+            ("Exposure time; mount: min", Ok(None)),
+            ("Exposure time, filter: H", Ok(None)),
+            ("Exposure of the object, h", Err("seconds or in the unit h".to_owned())),
             ("mm.ss", Err("the form of a clock, such as h:m:s".to_owned())),
             ("Exp. time, h", Ok(Some(3600.0))),
             ("Integration time / min", Ok(Some(60.0))),
             ("Belichtungszeit in Minuten", Ok(Some(60.0))),
             ("duree en heures", Ok(Some(3600.0))),
             ("tiempo en segundos", Ok(Some(1.0))),
+            ("Belichtungszeit in Mikrosekunden", Ok(Some(1e-6))),
+            ("tiempo en milisegundos", Ok(Some(1e-3))),
+            ("tiempo en microsegundos", Ok(Some(1e-6))),
+            ("in ore", Ok(Some(3600.0))),
+            ("tempo di posa in giorni", Ok(Some(86400.0))),
+            ("in Tagen", Ok(Some(86400.0))),
+            ("en dias", Ok(Some(86400.0))),
+            ("duree en min", Ok(Some(60.0))),
+            ("tag of exposure, taken when min", Ok(None)),
             ("secondary mirror", Ok(None)),
             ("exposure (?s)", Err("a unit that is not ASCII".to_owned())),
         ] {
             assert_eq!(Comment::new(text).unit_s(), seconds, "{text}");
+        }
+    }
+    #[test]
+    fn durations_in_comments() {
+        let unclear = |text: &str| Err(format!("seconds or in the unit of {text:?}"));
+        let resolution = || Err("a unit or a resolution".to_owned());
+        for (text, value, seconds) in [
+            ("30 s", 30.0, Ok(Some(1.0))),
+            ("exposure of 30 s", 30.0, Ok(Some(1.0))),
+            ("exposure of 30 s", 20.0, unclear("30 s")),
+            ("5 minutes exposure", 300.0, Ok(Some(1.0))),
+            ("5 minutes exposure", 5.0, Ok(Some(60.0))),
+            ("5 minutes exposure", 4.0, unclear("5 minutes")),
+            ("~5 minutes", 299.0, Ok(Some(1.0))),
+            ("exposure 5 min = 300 s", 300.0, Ok(Some(1.0))),
+            ("Exposure 1/20 s", 0.05, Ok(Some(1.0))),
+            ("Exposure time in 10 ms", 5.0, unclear("10 ms")),
+            ("(10 ms)", 5.0, unclear("10 ms")),
+            ("in 0.1 s", 5.0, unclear("0.1 s")),
+            ("in .1 s", 5.0, unclear(".1 s")),
+            ("in 1e-3 s", 5.0, unclear("1e-3 s")),
+            ("exposure in 1e-3 s units", 5.0, resolution()),
+            ("1 unit = 10 ms", 5.0, Ok(Some(0.01))),
+            ("in units of 10 ms", 5.0, Ok(Some(0.01))),
+            ("in units of 10 ms", 0.5, unclear("10 ms")),
+            ("ticks of 1/60 s", 5.0, Ok(Some(1.0 / 60.0))),
+            ("Exposure in 1/1000 s", 5.0, Ok(Some(1e-3))),
+            ("multiples of 0.1 s", 5.0, resolution()),
+            ("Exposure time (0.1 s steps)", 5.0, resolution()),
+            ("10 ms increments", 10.0, resolution()),
+            ("exposure in s, 0.1 s steps", 5.0, Ok(Some(1.0))),
+            ("exposure +/- 5 s", 60.0, Ok(None)),
+            ("exposure time, accurate to 1 s", 60.0, Ok(None)),
+            ("2D image", 5.0, Ok(None)),
+        ] {
+            assert_eq!(Comment::new(text).unit_of_s(value), seconds, "{text}, {value}");
         }
     }
 }
