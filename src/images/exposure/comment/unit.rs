@@ -89,8 +89,9 @@ impl Comment {
         let is_size = |quantity: &&&Quantity| {
             let before = before(quantity);
             let named = before.strip_suffix("of").or_else(|| before.strip_suffix('=')).map(str::trim_end);
+            let is_alone = quantity.at.len() == text.trim().len();
             named.is_some_and(|named| lists(SIZED, &last_word(named)))
-                || (quantity.is_fraction && last_word(before) == "in")
+                || (quantity.is_fraction && (is_alone || last_word(before) == "in"))
         };
         let agree = |duration: f64| (value - duration).abs() <= QUANTITY_SLACK * duration;
         let shown = || format!("seconds or in the unit of {:?}", &text[first.at.clone()]);
@@ -494,6 +495,7 @@ mod tests {
             ("in units of 10 ms", 0.5, unclear("10 ms")),
             ("ticks of 1/60 s", 5.0, Ok(Some(1.0 / 60.0))),
             ("Exposure in 1/1000 s", 5.0, Ok(Some(1e-3))),
+            ("1/100 s", 200.0, Ok(Some(0.01))),
             ("multiples of 0.1 s", 5.0, resolution()),
             ("Exposure time (0.1 s steps)", 5.0, resolution()),
             ("10 ms increments", 10.0, resolution()),
