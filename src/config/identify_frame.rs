@@ -192,15 +192,13 @@ mod tests {
     use super::*;
     use crate::identify::fit_line;
 
-    /// Returns the path of a frame of 120 by 100 pixels of 1 arcsec, with north up and east left.
-    fn frame(name: &str) -> std::path::PathBuf {
+    /// Writes a frame of 120 by 100 pixels of 1 arcsec, with north up and east left.
+    fn write_frame(path: &Path) {
         let cards = "SIMPLE  = T\nBITPIX  = 8\nNAXIS   = 2\nNAXIS1  = 120\nNAXIS2  = 100\nCTYPE1  = 'RA---TAN'\n\
                      CTYPE2  = 'DEC--TAN'\nCRVAL1  = 150.0\nCRVAL2  = 0.0\nCRPIX1  = 60.5\nCRPIX2  = 50.5\n\
                      CDELT1  = -2.7777777777777778E-4\nCDELT2  = 2.7777777777777778E-4\nEND";
         let header: String = cards.lines().map(|card| format!("{card:80}")).collect();
-        let path = std::env::temp_dir().join(format!("streakcast-{}-{name}.fits", std::process::id()));
-        std::fs::write(&path, format!("{header:2880}{}", "\0".repeat(5 * 2880))).unwrap();
-        path
+        std::fs::write(path, format!("{header:2880}{}", "\0".repeat(5 * 2880))).unwrap();
     }
 
     /// Returns the corners of `box(x,y,width,height,angle)`, counted from 1.
@@ -217,7 +215,9 @@ mod tests {
     /// The part of a box in the frame is lopsided; the line is that of the whole box.
     #[test]
     fn verif_boxes_beyond_the_frame_keep_their_direction() {
-        let path = frame("boxes");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("boxes.fits");
+        write_frame(&path);
         for (shape, angle_deg, half_width_arcsec, length_arcsec) in [
             ([60.5, 50.5, 60.0, 10.0, 20.0], 110.0, 5.0, 60.0),
             ([100.0, 90.0, 160.0, 30.0, 45.0], 135.0, 15.0, 10.5 * 2f64.sqrt() + 80.0),
@@ -236,6 +236,5 @@ mod tests {
             let error = region(&path, None, &corners(outside)).unwrap_err().to_string();
             assert!(error.contains("is outside of the frame"), "{outside:?}: {error}");
         }
-        std::fs::remove_file(path).unwrap();
     }
 }

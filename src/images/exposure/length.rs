@@ -5,7 +5,7 @@ use crate::error::Error;
 
 use super::super::card::{Card, CardValue};
 use super::super::header::Header;
-use super::comment::{Comment, begins_with_exposure, seconds_in};
+use super::comment::{Comment, FRAMES, begins_with_exposure, seconds_in};
 use super::instants::unreadable;
 use super::moment::{Keywords, bare, is_spelling};
 
@@ -98,10 +98,7 @@ const STEPS: &str = "CALSTAT";
 const STACKING_PROGRAMS: &[&str] = &["deepskystacker", "astro pixel processor", "sequator", "autostakkert", "registax"];
 
 /// Comments of other counts of added frames state a number of [`FRAMES`], have a word of [`ADDED`], and none of
-/// [`OF_CALIBRATION`].
-pub(super) const FRAMES: &str = "image images frame frames exposure exposures subframe subframes sub subs subexposures inputs \
-     files lights";
-/// Frames, if they are several.
+/// [`OF_CALIBRATION`]. Frames, if they are several:
 const SEVERAL: &str = "images frames exposures subexposures subframes subs inputs files lights accumulations";
 const ADDED: &str = "stack stacked stacking combine combined combining coadd coadds coadded co added adding summed sum \
      averaged average mean median integrated accumulated drizzled binned input inputs";

@@ -11,4 +11,4 @@ mod words;
 
 pub use part::AFTER_EXPOSURE;
 pub use unit::{begins_with_exposure, seconds_in};
-pub use words::{Comment, Role};
+pub use words::{Comment, FRAMES, Role};

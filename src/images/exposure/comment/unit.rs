@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::length::FRAMES;
-use super::words::{Comment, EXPOSURE, lists};
+use super::words::{Comment, EXPOSURE, FRAMES, lists};
 
 /// Words before the size of a unit, as in "units of 10 ms" and "1 tick = 10 ms", and words of steps without a size.
 const SIZED: &str = "unit units tick ticks";

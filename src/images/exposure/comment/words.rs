@@ -29,6 +29,9 @@ pub(super) const PARTS: &[(Role, &str)] = &[
 pub(super) const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exposicao esposizione exptime pose posa \
      belichtung belichtungs aufnahme integration integrations int observation observations observing obs frame frames image images \
      img shutter scan capture stack interval visit coadd coadds dce";
+/// Words of the frames of a stack.
+pub const FRAMES: &str = "image images frame frames exposure exposures subframe subframes sub subs subexposures inputs \
+     files lights";
 pub(super) const CLOCK: &str = "time times date dates datetime timestamp timestamps stamp t ut utc ut1 tu tai tt tdb gmt epoch jd \
      mjd julian instant moment point points pt way yyyy ccyy dd hh hms ymd";
 /// Phrases in which a word of a part or of a zone qualifies something else.
