@@ -58,7 +58,7 @@ pub(super) fn is_region_system(text: &str) -> bool {
     name == "image" || SKY_SYSTEMS.contains(&name.as_str()) || OTHER_SYSTEMS.contains(&name.as_str())
 }
 
-/// Parses a region file; `path` is its name in errors, and `shapes` ([`OUTLINES`] or [`STREAKS`]) are those that they name.
+/// Parses a region file; `path` is its name in errors, and `shapes` are the accepted ones in their words.
 ///
 /// # Errors
 /// A line has another coordinate system or shape, or invalid numbers.
