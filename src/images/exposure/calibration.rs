@@ -314,7 +314,10 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         let (keyword, mag, comment) = keywords.number(&[name], is_magnitude)?;
         let comment = comment.to_ascii_lowercase();
         let is_per_second = ["/s", "per sec", "1 sec", "s-1", "s^-1"].iter().any(|words| comment.contains(words));
-        let stated = is_per_second.then_some(CountBasis::Second);
+        // As in synthetic frames
+        let is_of_frame = ["in the frame", "of the frame"].iter().any(|words| comment.contains(words));
+        let of_frame = is_of_frame.then_some(CountBasis::Frame);
+        let stated = if is_per_second { Some(CountBasis::Second) } else { of_frame };
         // If the pixels are rates, their sum is already the count of one second and must not be divided by the exposure
         // time.
         let is_rate = parsed_unit(&unit).1;
