@@ -33,6 +33,7 @@ const TOGETHER: usize = 16;
 /// Positions of a satellite in a query for snapshots. It is seen at a position above the lowest altitude if it is lit there,
 /// or if `include_dark` is true.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SnapshotPositions {
     /// The predicted positions at which it is seen.
     Predicted,
