@@ -259,6 +259,8 @@ fn on_sky(
         measured.flags.push(Flag::Clipped);
         measured.flags.sort_unstable();
     }
+    let without = [Flag::Position, Flag::Clipped, Flag::Masked, Flag::Dark];
+    let has_limit = measured.flags.iter().all(|flag| !without.contains(flag));
     let chip = &frame.chips[prediction.chip].chip;
     let [from_s, to_s] = measured.inside_s;
     let middle_s = 0.5 * (from_s + to_s);
@@ -281,7 +283,7 @@ fn on_sky(
         pixel_scale_arcsec: chip.pixel_scale_arcsec(),
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,
-        limit_mag: scale.magnitude(measured.rate_limit).filter(|_| prediction.is_position_known && !is_clipped),
+        limit_mag: scale.magnitude(measured.rate_limit).filter(|_| has_limit),
         // The errors of size and form are proportional to the light, so they do not matter at the threshold.
         faintest_mag: scale
             .magnitude(

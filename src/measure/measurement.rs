@@ -95,8 +95,12 @@ pub enum Flag {
     Blended,
     /// The streak runs along the edge of the image.
     Edge,
-    /// Stars or defects cover more than half of the streak. A streak of a table without any usable pixel is not measured.
+    /// Stars or defects cover more than half of the streak, or of a position at which a streak that was not found may be:
+    /// there is no limit. A streak of a table without any usable pixel is not measured.
     Masked,
+    /// A dark streak is in the corridor, as in a difference of images: a brighter streak would not be found, and there is no
+    /// limit.
+    Dark,
     /// The width of the streak differs from the given seeing by more than 20 %: the flux is biased.
     Width,
     /// The gain is unknown: the error does not contain the photon noise of the streak.
@@ -124,6 +128,7 @@ impl Flag {
             Self::Blended => "blended",
             Self::Edge => "edge",
             Self::Masked => "masked",
+            Self::Dark => "dark",
             Self::Width => "width",
             Self::NoGain => "no_gain",
             Self::PixelNoise => "pixel_noise",
@@ -159,7 +164,8 @@ pub struct StreakMeasurement {
     /// Part of the error of `rate` that the form and the width of the point spread function cause, if others fit better,
     /// and the accuracy of the fit.
     pub form_sigma: f64,
-    /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
+    /// Rate that is excluded at the given number of sigmas everywhere in the corridor. It is not a limit with the flags
+    /// `Masked` and `Dark`.
     pub rate_limit: f64,
     /// Fitted rate divided by its error without `size_sigma` and `form_sigma`. Unlike `rate`, the fitted rate is not
     /// corrected for the bias by the fitted position.

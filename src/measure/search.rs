@@ -50,7 +50,7 @@ impl Extent {
     }
 }
 
-/// Most significant position in the corridor.
+/// Position in the corridor.
 #[derive(Copy, Clone, Debug)]
 pub struct Found {
     /// Distance from the predicted track, pixels along the minor axis.
@@ -63,6 +63,15 @@ pub struct Found {
     pub significance: f64,
     /// Significance that noise exceeds anywhere in the corridor with the given probability.
     pub threshold: f64,
+}
+
+/// Result of a search.
+#[derive(Copy, Clone, Debug)]
+pub struct Search {
+    /// Position with the most significant light.
+    pub best: Found,
+    /// Position with the most significant lack of light.
+    pub darkest: Found,
 }
 
 /// Sums of pixels for each block and offset.
@@ -80,50 +89,42 @@ struct Sums {
     time_s: Vec<f64>,
 }
 
-/// Returns the most significant position in the corridor; `None` if no position has enough pixels in the frame.
+/// Returns the most significant positions in the corridor; `None` if no position has enough pixels in the frame.
 pub fn search(
     image: &StreakImage<'_>,
     corridor: &Corridor,
     profile: &RadialProfile,
     extent: &Extent,
     false_alarm: f64,
-) -> Option<Found> {
-    let cos = corridor.cos();
-    let width_minor = profile.fwhm_pix().max(1.0) / cos;
-    let reach = (FILTER_WIDTHS * width_minor).ceil() as usize;
-    let limit = ((extent.across_pix / cos).ceil() as usize).min(2 * corridor.minor_count).max(1);
-    let half_length = 0.5 * corridor.len() as f64;
-    let tilt = (extent.tilt_rad / (cos * cos)).max(STEP_WIDTHS * width_minor / half_length);
-    let half = limit + reach + (NOISE_PIX / cos) as usize;
-    let sums = Sums::new(image, corridor, half, width_minor);
+) -> Option<Search> {
+    let Grid { width_minor, reach, limit, slopes } = Grid::new(corridor, profile, extent);
+    let half = limit + reach + (NOISE_PIX / corridor.cos()) as usize;
+    let normalised = |row: usize, column: usize, value| image.background.normalised(row, column, value);
+    let sums = Sums::new(image, corridor, half, width_minor, normalised);
     let filter = filter(profile, corridor, reach);
 
-    let steps = |extent: f64, step: f64, most: usize| -> Vec<f64> {
-        let count = ((extent / step).ceil() as usize).min(most / 2);
-        (0..=2 * count)
-            .map(|index| (index as f64 - count as f64) * if count > 0 { extent / count as f64 } else { 0.0 })
-            .collect()
-    };
-    let slopes = steps(tilt, STEP_WIDTHS * width_minor / half_length, MOST_ANGLES);
     let windows = sums.windows(
         &steps(extent.late_s, (STEP_WIDTHS * profile.fwhm_pix()).max(1.0) / corridor.speed_pix_s, MOST_DELAYS),
         image.exposure_s,
     );
 
     let nominal = sums.significance(0.0, windows.iter().find(|(late_s, _)| *late_s == 0.0)?.1, &filter);
-    let mut best: Option<Found> = None;
+    let mut found: Option<Search> = None;
     for slope in &slopes {
         for (late_s, window) in &windows {
             let row = sums.significance(*slope, *window, &filter);
             for (index, z) in row.iter().enumerate().skip(half - limit).take(2 * limit + 1) {
-                if z.is_finite() && best.is_none_or(|best| *z > best.significance) {
-                    best = Some(Found {
-                        minor_pix: index as f64 - half as f64,
-                        slope: *slope,
-                        late_s: *late_s,
-                        significance: *z,
-                        threshold: 0.0,
-                    });
+                if !z.is_finite() {
+                    continue;
+                }
+                let minor_pix = index as f64 - half as f64;
+                let here = Found { minor_pix, slope: *slope, late_s: *late_s, significance: *z, threshold: 0.0 };
+                let Search { best, darkest } = found.get_or_insert(Search { best: here, darkest: here });
+                if *z > best.significance {
+                    *best = here;
+                }
+                if *z < darkest.significance {
+                    *darkest = here;
                 }
             }
         }
@@ -132,11 +133,88 @@ pub fn search(
         * slopes.len() as f64
         * STEP_WIDTHS
         * if windows.len() > 1 { windows.len() as f64 * STEP_WIDTHS } else { 1.0 };
-    best.map(|found| {
-        let noise = noise(&nominal, (half as f64 + found.minor_pix) as usize, reach);
+    found.map(|Search { best, darkest }| {
+        let noise = noise(&nominal, (half as f64 + best.minor_pix) as usize, reach);
         let threshold = exceeded_with(false_alarm / trials.max(1.0));
-        Found { significance: found.significance / noise, threshold, ..found }
+        let relative = |found: Found| Found { significance: found.significance / noise, threshold, ..found };
+        Search { best: relative(best), darkest: relative(darkest) }
     })
+}
+
+/// Returns the smallest share of a streak's light that falls on usable pixels, over all positions and angles in the corridor;
+/// pixels outside of the illuminated area do not count.
+pub fn least_usable_share(
+    image: &StreakImage<'_>,
+    corridor: &Corridor,
+    profile: &RadialProfile,
+    extent: &Extent,
+) -> f64 {
+    let Grid { width_minor, reach, limit, slopes } = Grid::new(corridor, profile, extent);
+    let area = image.light_area;
+    let is_usable = |row: usize, column: usize, value: f32| {
+        if area.rows.contains(&row) && area.columns.contains(&column) {
+            f32::from(u8::from(value.is_finite()))
+        } else {
+            f32::NAN
+        }
+    };
+    let half = limit + reach;
+    let sums = Sums::new(image, corridor, half, width_minor, is_usable);
+    let light = profile_across(profile, corridor, reach);
+    let Some((_, window)) = sums.windows(&[0.0], image.exposure_s).first().copied() else { return 1.0 };
+    let mut least = 1.0;
+    for slope in slopes {
+        let (shares, _) = sums.means(slope, window);
+        for centre in half - limit..=half + limit {
+            let (mut all, mut usable) = (0.0, 0.0);
+            for (share, light) in shares[centre - reach..=centre + reach].iter().zip(&light) {
+                if share.is_finite() {
+                    all += light;
+                    usable += share * light;
+                }
+            }
+            if shares[centre].is_finite() && all > 0.0 {
+                least = f64::from(usable / all).min(least);
+            }
+        }
+    }
+    least
+}
+
+/// Positions and angles of a search.
+struct Grid {
+    /// Width of the streak, pixels along the minor axis.
+    width_minor: f64,
+    /// Half length of the filter across the track, pixels along the minor axis.
+    reach: usize,
+    /// Largest distance from the track, pixels along the minor axis.
+    limit: usize,
+    /// Changes of the distance per pixel of the major axis.
+    slopes: Vec<f64>,
+}
+
+impl Grid {
+    fn new(corridor: &Corridor, profile: &RadialProfile, extent: &Extent) -> Self {
+        let cos = corridor.cos();
+        let width_minor = profile.fwhm_pix().max(1.0) / cos;
+        let half_length = 0.5 * corridor.len() as f64;
+        let step = STEP_WIDTHS * width_minor / half_length;
+        let tilt = (extent.tilt_rad / (cos * cos)).max(step);
+        Self {
+            width_minor,
+            reach: (FILTER_WIDTHS * width_minor).ceil() as usize,
+            limit: ((extent.across_pix / cos).ceil() as usize).min(2 * corridor.minor_count).max(1),
+            slopes: steps(tilt, step, MOST_ANGLES),
+        }
+    }
+}
+
+/// Returns values from `-extent` to `extent`, at most `most`, in steps of at most `step` if these are not more.
+fn steps(extent: f64, step: f64, most: usize) -> Vec<f64> {
+    let count = ((extent / step).ceil() as usize).min(most / 2);
+    (0..=2 * count)
+        .map(|index| (index as f64 - count as f64) * if count > 0 { extent / count as f64 } else { 0.0 })
+        .collect()
 }
 
 /// Returns the scatter of the signal over the offsets, which includes the noise of unresolved stars. Offsets that the
@@ -161,19 +239,30 @@ pub fn exceeded_with(probability: f64) -> f64 {
     low
 }
 
-/// Returns the profile of a line across the track at whole pixels of the minor axis, minus its mean.
+/// Returns the profile of a line across the track, minus its mean.
 fn filter(profile: &RadialProfile, corridor: &Corridor, reach: usize) -> Vec<f32> {
-    let light =
-        |index: usize| profile.line((index as f64 - reach as f64) * corridor.cos(), corridor.angle_rad()) as f32;
-    let mut filter: Vec<f32> = (0..=2 * reach).map(light).collect();
+    let mut filter = profile_across(profile, corridor, reach);
     let mean = filter.iter().sum::<f32>() / filter.len() as f32;
     filter.iter_mut().for_each(|weight| *weight -= mean);
     filter
 }
 
+/// Returns the profile of a line across the track at whole pixels of the minor axis.
+fn profile_across(profile: &RadialProfile, corridor: &Corridor, reach: usize) -> Vec<f32> {
+    let light =
+        |index: usize| profile.line((index as f64 - reach as f64) * corridor.cos(), corridor.angle_rad()) as f32;
+    (0..=2 * reach).map(light).collect()
+}
+
 impl Sums {
-    /// Sums the light of the pixels in the corridor.
-    fn new(image: &StreakImage<'_>, corridor: &Corridor, half: usize, width_minor: f64) -> Self {
+    /// Sums `value(row, column, pixel)` over the pixels in the corridor for which it is not NaN.
+    fn new(
+        image: &StreakImage<'_>,
+        corridor: &Corridor,
+        half: usize,
+        width_minor: f64,
+        value: impl Fn(usize, usize, f32) -> f32,
+    ) -> Self {
         let length = corridor.len();
         let blocks =
             ((length as f64 / (WIDTHS_PER_BLOCK * width_minor).max(LEAST_BLOCK)) as usize).clamp(1, MOST_BLOCKS);
@@ -183,7 +272,7 @@ impl Sums {
         let plane = image.plane;
         let lowest: Vec<isize> = corridor.centre.iter().map(|centre| centre.round() as isize - half as isize).collect();
         let mut add = |index: usize, offset: usize, row: usize, column: usize| {
-            let value = image.background.normalised(row, column, plane.row(row)[column]);
+            let value = value(row, column, plane.row(row)[column]);
             if value.is_finite() {
                 let at = (block_of(index) + 1) * offsets + offset;
                 light[at] += value;
@@ -247,9 +336,9 @@ impl Sums {
         windows
     }
 
-    /// Returns the filtered light at each offset, in units of the noise of a clipped pixel; NaN where too few pixels
-    /// are in the frame.
-    fn significance(&self, slope: f64, [from, to]: [usize; 2], filter: &[f32]) -> Vec<f64> {
+    /// Returns the mean of the pixels along the track at each offset, NaN where too few pixels are in the frame, and their
+    /// number.
+    fn means(&self, slope: f64, [from, to]: [usize; 2]) -> (Vec<f32>, Vec<f32>) {
         let offsets = self.offsets;
         let (mut light, mut pixels) = (vec![0.0f32; offsets], vec![0.0f32; offsets]);
         // Neighbouring blocks with the same shift are added at once.
@@ -276,13 +365,35 @@ impl Sums {
             .zip(&pixels)
             .map(|(light, pixels)| if *pixels >= least { light / pixels } else { f32::NAN })
             .collect();
+        (mean, pixels)
+    }
+
+    /// Returns the filtered light at each offset, in units of the noise of a clipped pixel; NaN where too few pixels
+    /// are in the frame. Near the edge of the frame, the filter is its part inside, minus its mean.
+    fn significance(&self, slope: f64, window: [usize; 2], filter: &[f32]) -> Vec<f64> {
+        let (mean, pixels) = self.means(slope, window);
         let norm = filter.iter().map(|weight| weight * weight).sum::<f32>().sqrt();
         let reach = filter.len() / 2;
-        let mut row = vec![f64::NAN; offsets];
-        for centre in reach..offsets.saturating_sub(reach) {
-            let sum: f32 =
-                mean[centre - reach..=centre + reach].iter().zip(filter).map(|(mean, weight)| mean * weight).sum();
-            row[centre] = f64::from(sum * pixels[centre].sqrt() / norm);
+        let mut row = vec![f64::NAN; self.offsets];
+        for centre in (reach..self.offsets.saturating_sub(reach)).filter(|centre| mean[*centre].is_finite()) {
+            let around = || mean[centre - reach..=centre + reach].iter().zip(filter);
+            let sum: f32 = around().map(|(mean, weight)| mean * weight).sum();
+            if sum.is_finite() {
+                row[centre] = f64::from(sum * pixels[centre].sqrt() / norm);
+                continue;
+            }
+            // Sums of 1, p, p², d, p d, with the filter p and the mean d.
+            let mut sums = [0.0f32; 5];
+            for (d, p) in around() {
+                if d.is_finite() {
+                    sums.iter_mut().zip([1.0, *p, p * p, *d, p * d]).for_each(|(sum, term)| *sum += term);
+                }
+            }
+            let [n, p, pp, d, pd] = sums;
+            if n as usize > reach {
+                // Σ p' d / √(Σ p'²) with p' = p - mean(p)
+                row[centre] = f64::from((pd - p * d / n) / (pp - p * p / n).sqrt() * pixels[centre].sqrt());
+            }
         }
         row
     }

@@ -5,7 +5,7 @@ use super::corridor::Corridor;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
 use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 use super::noise::{CONTROLS_A_SIDE, REFINED_FROM, background_sigma, controls, offset_sigma, without_fit_bias};
-use super::search::{Extent, Found, search};
+use super::search::{Extent, Found, Search, least_usable_share, search};
 use super::stars::{mask_stars, without_streak};
 use crate::error::Error;
 use crate::images::{LightArea, PixelPosition};
@@ -23,6 +23,11 @@ const LEAST_BLOCK_PIX: f64 = 32.0;
 /// Distance of the first control fits from the streak, and distance between neighbouring control fits, FWHM.
 const FIRST_CONTROL_WIDTHS: f64 = 4.0;
 const CONTROL_STEP_WIDTHS: f64 = 0.75;
+/// Width of a streak, pixels, below which the steps of the search are too coarse: offset and tilt then start at the best position
+/// of a finer grid of this half width (pixels, at the middle and at the ends) and of these steps (FWHM).
+const NARROW_PIX: f64 = 1.6;
+const GRID_PIX: f64 = 1.0;
+const GRID_WIDTHS: f64 = 0.4;
 /// Number of iterations of mask, offset and angle.
 const ITERATIONS: usize = 6;
 /// Smallest signal to noise at which the width is measured.
@@ -189,13 +194,8 @@ impl Measuring<'_> {
         Ok(Some(Drawn { path, template }))
     }
 
-    fn measure(
-        &mut self,
-        found: &Found,
-        extent: &Extent,
-        options: &MeasureOptions,
-    ) -> Result<Option<StreakMeasurement>, Error> {
-        let found = &self.aligned(found, extent);
+    /// Returns the shift of a position of the search, and the number of ends in the image.
+    fn shift(&self, found: &Found) -> Result<(Shift, usize), Error> {
         let corridor = &self.corridor;
         let cos = corridor.cos();
         // A shift along the minor axis is the sum of a shift across the track and one along the track.
@@ -213,15 +213,53 @@ impl Measuring<'_> {
         if ends == 0 || self.is_given() {
             shift.late_s = 0.0;
         }
+        Ok((shift, ends))
+    }
+
+    /// Returns the half width of the fit across the track and the length of a block along it, pixels of the two axes.
+    fn block_size(&self, extent: &Extent) -> [usize; 2] {
+        let (fwhm, cos) = (self.profile.fwhm_pix().max(1.0), self.corridor.cos());
+        // The fit ends between the streak and its neighbour.
+        let to_neighbour_pix = extent.to_neighbour_pix.max(LEAST_FIT_WIDTHS * fwhm);
+        let half_width = (FIT_WIDTHS * fwhm).max(LEAST_FIT_PIX).min(to_neighbour_pix) / cos;
+        [half_width.ceil() as usize, ((BLOCK_WIDTHS * fwhm).max(LEAST_BLOCK_PIX) * cos) as usize]
+    }
+
+    /// Returns true if the median of the blocks of a dark streak is larger than that of the brightest one, which is then
+    /// only the contrast beside the dark streak.
+    fn is_dark(&self, brightest: &Found, darkest: &Found, extent: &Extent) -> Result<bool, Error> {
+        let [half_width, block] = self.block_size(extent);
+        let light = |found: &Found| -> Result<Option<f64>, Error> {
+            let line = [found.minor_pix, found.slope];
+            let band = Band::read(self.image.plane, self.image.light_area, &self.corridor, line, half_width);
+            let Some(drawn) = self.drawn(&band, &self.shift(found)?.0)? else { return Ok(None) };
+            let blocks = Blocks::new(band.len(), block, half_width);
+            let fits = fit_blocks(&band, &band.values, &vec![false; band.values.len()], &drawn.template, 0, &blocks);
+            let amplitudes: Vec<f64> = fits.iter().filter_map(BlockFit::amplitude).collect();
+            Ok((!amplitudes.is_empty()).then(|| median(amplitudes)))
+        };
+        Ok(match (light(brightest)?, light(darkest)?) {
+            (Some(bright), Some(dark)) => -dark > bright,
+            _ => false,
+        })
+    }
+
+    fn measure(
+        &mut self,
+        Search { best, darkest }: &Search,
+        extent: &Extent,
+        options: &MeasureOptions,
+    ) -> Result<Option<StreakMeasurement>, Error> {
+        let found = &self.aligned(best, extent);
+        let (mut shift, ends) = self.shift(found)?;
         if options.fit_width {
             self.start_width(found, shift.late_s);
         }
+        let is_dark = darkest.significance < -darkest.threshold && self.is_dark(found, darkest, extent)?;
         let corridor = &self.corridor;
+        let cos = corridor.cos();
         let fwhm = self.profile.fwhm_pix().max(1.0);
-        // The fit ends between the streak and its neighbour.
-        let to_neighbour_pix = extent.to_neighbour_pix.max(LEAST_FIT_WIDTHS * fwhm);
-        let half_width = ((FIT_WIDTHS * fwhm).max(LEAST_FIT_PIX).min(to_neighbour_pix) / cos).ceil() as usize;
-        let block = ((BLOCK_WIDTHS * fwhm).max(LEAST_BLOCK_PIX) * cos) as usize;
+        let [half_width, block] = self.block_size(extent);
         let step = (CONTROL_STEP_WIDTHS * fwhm / cos).ceil().max(1.0) as isize;
         let first = (FIRST_CONTROL_WIDTHS * fwhm / cos).ceil() as isize;
         let last = first + step * CONTROLS_A_SIDE as isize;
@@ -229,6 +267,9 @@ impl Measuring<'_> {
         let band = Band::read(self.image.plane, self.image.light_area, corridor, [found.minor_pix, found.slope], half);
         let mut blocks = Blocks::new(band.len(), block, half_width);
 
+        if self.profile.fwhm_pix() < NARROW_PIX {
+            shift = self.best_of_grid(&band, &blocks, &shift)?;
+        }
         let Some(mut drawn) = self.drawn(&band, &shift)? else { return Ok(None) };
         let mut stars = mask_stars(&band, &drawn.template, &blocks, fwhm, true);
         blocks.weigh(&band, &stars.mask, &drawn.template);
@@ -303,7 +344,8 @@ impl Measuring<'_> {
 
         let is_spread = is_spread(&fits, &amplitude, sigma, found.threshold);
         let signal_to_noise = amplitude.value / sigma;
-        let is_detected = found.significance >= found.threshold && signal_to_noise >= found.threshold && is_spread;
+        let is_detected =
+            !is_dark && found.significance >= found.threshold && signal_to_noise >= found.threshold && is_spread;
 
         let given_width = seeing_arcsec.is_none();
         // Decrease of the sum of the squared residuals that noise causes with a small probability.
@@ -335,8 +377,12 @@ impl Measuring<'_> {
         if edge > EDGE_SHARE {
             flags.push(Flag::Edge);
         }
-        if masked > MASKED_SHARE {
+        let is_hidden = || least_usable_share(self.image, &self.corridor, &self.profile, extent) < 1.0 - MASKED_SHARE;
+        if masked > MASKED_SHARE || !is_detected && is_hidden() {
             flags.push(Flag::Masked);
+        }
+        if is_dark {
+            flags.push(Flag::Dark);
         }
         flags.sort_unstable();
 
@@ -379,6 +425,31 @@ impl Measuring<'_> {
             flags,
             corridor_pix: extent.across_pix,
         }))
+    }
+
+    /// Returns the shift of a fine grid of offsets and tilts around a shift with the most significant light, of which stars are
+    /// masked.
+    fn best_of_grid(&self, band: &Band, blocks: &Blocks, shift: &Shift) -> Result<Shift, Error> {
+        let Some(drawn) = self.drawn(band, shift)? else { return Ok(*shift) };
+        let fwhm = self.profile.fwhm_pix();
+        let stars = mask_stars(band, &drawn.template, blocks, fwhm.max(1.0), true);
+        let half_length_pix = 0.5 * band.len() as f64 / band.cos;
+        let count = (GRID_PIX / (GRID_WIDTHS * fwhm)).ceil() as i32;
+        let pix = |step: i32| f64::from(step) * GRID_PIX / f64::from(count);
+        let (mut best, mut most) = (*shift, 0.0);
+        for (across, turn) in (-count..=count).flat_map(|across| (-count..=count).map(move |turn| (across, turn))) {
+            let offset_pix = shift.offset_pix + pix(across);
+            let tilt_rad = shift.tilt_rad + pix(turn) / half_length_pix;
+            let moved = Shift { offset_pix, tilt_rad, ..*shift };
+            let Some(drawn) = self.drawn(band, &moved)? else { continue };
+            let fits = fit_blocks(band, &band.values, &stars.mask, &drawn.template, 0, blocks);
+            // A √(Σ m'²)
+            let light = combined(&fits).map_or(0.0, |amplitude| amplitude.value * amplitude.weight.sqrt());
+            if light > most {
+                (best, most) = (moved, light);
+            }
+        }
+        Ok(best)
     }
 
     /// Improves offset and tilt by one Gauss-Newton step. Returns the change of the offset or the shift of the ends by

@@ -81,6 +81,23 @@ fn measured(case: Case, options: &MeasureOptions, assumed: Optics) -> Outcome {
 
 /// Same as `measured`, but also returns the frame.
 fn drawn(case: Case, options: &MeasureOptions, assumed: Optics) -> (Outcome, Plane) {
+    let Scene { plane, predicted, truth, late_s, offset_pix } = scene(case);
+    let measured = measure(&plane, &LightArea::whole(ROWS, COLUMNS), &predicted, &assumed, options);
+    let measured = measured.unwrap_or_else(|| panic!("no track: {case:?}"));
+    (Outcome { case, truth, measured, late_s, offset_pix }, plane)
+}
+
+/// Frame with one streak, and its prediction.
+struct Scene {
+    plane: Plane,
+    predicted: PredictedStreak,
+    truth: f64,
+    late_s: f64,
+    offset_pix: f64,
+}
+
+/// Draws a frame with one streak, whose predicted track is wrong by random errors.
+fn scene(case: Case) -> Scene {
     let mut random = ChaCha8Rng::seed_from_u64(case.seed);
     let mut normal =
         |sigma: f64| -> f64 { sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut random) };
@@ -133,10 +150,7 @@ fn drawn(case: Case, options: &MeasureOptions, assumed: Optics) -> (Outcome, Pla
         radius_m: 0.0,
         radius_sigma_m: 0.0,
     };
-    let light_area = LightArea::whole(ROWS, COLUMNS);
-    let measured = measure(&plane, &light_area, &predicted, &assumed, options);
-    let measured = measured.unwrap_or_else(|| panic!("no track: {case:?}"));
-    (Outcome { case, truth, measured, late_s, offset_pix }, plane)
+    Scene { plane, predicted, truth, late_s, offset_pix }
 }
 
 fn measure(
@@ -536,6 +550,114 @@ fn verif_streaks_much_wider_than_the_seeing_are_measured() {
     for (case, seeing) in found.map(|one| (one.case, one.measured.seeing_arcsec)) {
         assert!((seeing.unwrap() / case.seeing_pix - 1.0).abs() < WIDTH, "{case:?}: {seeing:?}");
     }
+}
+
+/// Bright streaks that the mask of the frame covers are neither found nor excluded, and dark streaks are not found in the
+/// contrast beside them.
+#[test]
+fn verif_hidden_and_dark_streaks_have_no_limit() {
+    let light_area = LightArea::whole(ROWS, COLUMNS);
+    for (number, angle_deg) in ANGLES_DEG.into_iter().enumerate() {
+        for signal_to_noise in [30.0, 400.0] {
+            let case = Case {
+                signal_to_noise,
+                angle_deg,
+                seeing_pix: 3.0,
+                form: SeeingForm::Gaussian,
+                stars_per_megapixel: 100.0,
+                has_end: number % 2 == 1,
+                seed: 9_000_000 + 10 * number as u64,
+            };
+            let Scene { plane, predicted, .. } = scene(case);
+            let (found, _) = drawn(case, &options(), optics(&case));
+            let clear = found.measured;
+            assert!(clear.is_detected && !clear.flags.contains(&Flag::Masked) && !clear.flags.contains(&Flag::Dark));
+            // The mask reaches to the given distance from the track.
+            for half_width_pix in [4.0, 8.0] {
+                let mut masked = plane.clone();
+                let [from, to] = clear.ends_in_frame();
+                let length_pix = from.distance(to);
+                for (index, value) in masked.values_mut().iter_mut().enumerate() {
+                    let (x, y) = ((index % COLUMNS) as f64, (index / COLUMNS) as f64);
+                    let across = ((x - from.x) * (to.y - from.y) - (y - from.y) * (to.x - from.x)) / length_pix;
+                    if across.abs() < half_width_pix {
+                        *value = f32::NAN;
+                    }
+                }
+                let one = measure(&masked, &light_area, &predicted, &optics(&case), &options()).unwrap();
+                let message = format!("{case:?}, {half_width_pix}: {:?}", one.flags);
+                assert!(one.flags.contains(&Flag::Masked) && !one.flags.contains(&Flag::Dark), "{message}");
+                assert!(!one.is_detected || signal_to_noise > 100.0 && half_width_pix < 5.0, "{message}");
+            }
+            // The frame with negative light.
+            let mut dark = plane.clone();
+            dark.values_mut().iter_mut().for_each(|value| *value = 2.0 * SKY_E as f32 - *value);
+            let one = measure(&dark, &light_area, &predicted, &optics(&case), &options()).unwrap();
+            assert!(!one.is_detected && one.flags.contains(&Flag::Dark), "{case:?}: {:?}", one.flags);
+        }
+    }
+}
+
+/// A bright streak a few pixels from the edge of the frame is found with its flux.
+#[test]
+fn verif_streaks_beside_the_edge_are_found() {
+    /// Largest relative error of the flux.
+    const ERROR: f64 = 0.05;
+    let profile = Optics { form: SeeingForm::Gaussian, seeing_arcsec: 3.0, outer_radius_m: 0.0, inner_radius_m: 0.0 };
+    let drawn_with = profile.profile(600.0, 0.0, 1.0, 1.0).unwrap();
+    for (number, edge_pix) in [2.0, 4.0, 7.0, COLUMNS as f64 - 4.0].into_iter().enumerate() {
+        let (mut plane, light_area) = (Plane::new(ROWS, COLUMNS), LightArea::whole(ROWS, COLUMNS));
+        let path = |rate: f64| {
+            let ends = [(0.0, 60.0), (EXPOSURE_S, 260.0)];
+            let nodes = ends.map(|(time_s, y)| PathNode::new(time_s, PixelPosition { x: edge_pix, y }, rate));
+            StreakPath::new(nodes.to_vec()).unwrap()
+        };
+        draw(&path(6000.0), &drawn_with, ROWS, COLUMNS).add_to(&mut plane);
+        let mut random = ChaCha8Rng::seed_from_u64(number as u64);
+        for value in plane.values_mut() {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            *value += 1000.0 + 10.0 * noise as f32;
+        }
+        let predicted = PredictedStreak {
+            path: path(1.0),
+            drift_pix_s: [0.0; 2],
+            lateness_sigma_s: 0.0,
+            largest_delay_s: 5.0,
+            ends_s: Some([0.0, EXPOSURE_S]),
+            cross_sigma_pix: 2.0,
+            range_km: 600.0,
+            radius_m: 0.0,
+            radius_sigma_m: 0.0,
+        };
+        let one = measure(&plane, &light_area, &predicted, &profile, &options()).unwrap();
+        assert!(one.is_detected, "{edge_pix}: {} of {}", one.significance, one.threshold);
+        assert!((one.rate.value / 6000.0 - 1.0).abs() < ERROR, "{edge_pix}: {:?}", one.rate);
+    }
+}
+
+/// Streaks narrower than a pixel are measured whole: the fit does not stay beside the streak.
+#[test]
+fn verif_streaks_narrower_than_a_pixel_are_measured_whole() {
+    /// Largest mean square of the errors in sigmas, and largest error.
+    const SQUARES: f64 = 1.3;
+    const SIGMAS: f64 = 4.5;
+    let case = |number: usize| Case {
+        signal_to_noise: [12.0, 18.0][number % 2],
+        angle_deg: (37 * number % 180) as f64,
+        seeing_pix: 0.8,
+        form: SeeingForm::Gaussian,
+        stars_per_megapixel: 0.0,
+        has_end: false,
+        seed: 9_500_000 + 10 * number as u64,
+    };
+    let cases: Vec<Case> = (0..200).map(case).collect();
+    let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
+    let found = outcomes.iter().filter(|one| one.measured.is_detected);
+    let errors: Vec<f64> = found.map(|one| (one.measured.rate.value - one.truth) / one.measured.rate.sigma).collect();
+    let squares = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
+    let most = errors.iter().fold(0.0f64, |most, error| most.max(error.abs()));
+    println!("narrow streaks: {} found, mean square {squares:.2}, largest {most:.1}", errors.len());
+    assert!(errors.len() > 190 && squares < SQUARES && most < SIGMAS, "{}: {squares}, {most}", errors.len());
 }
 
 /// The profile of the pixels along a track is that of the fitted streak, for all directions of motion.
