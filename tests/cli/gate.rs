@@ -73,7 +73,7 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
         let flags = json(&[&flag, &["--telescope", "rubin", "--bright-share", share]]);
         flags["flags"][0]["streak_cost_s"].as_f64().unwrap()
     };
-    let (mut waited, mut at_once) = (0_u64, 0_u64);
+    let (mut waited, mut at_once, mut limited) = (0_u64, 0_u64, 0);
     for share in ["0.08", "3"] {
         for minute in [30, 45] {
             let now = format!("2024-08-14T23:{minute}:00.000Z");
@@ -87,6 +87,14 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
             let start = status["start_utc"].as_str().unwrap();
             assert!((cost_at(&now, share) - now_s).abs() < 2e-3 && (cost_at(start, share) - cost_s).abs() < 0.05);
             assert!(cost_s + wait_s <= now_s + 1e-3, "{stderr}");
+            // Up to a later start the cost is about the same, and half a second later it is not.
+            let utc = |text: &str| streakcast::frames::parse_instant(text, None).unwrap();
+            let until = status["cost_until_utc"].as_str().unwrap();
+            let later_s = streakcast::frames::seconds_between(utc(start), utc(until));
+            assert!((0.0..=10.0).contains(&later_s) && cost_at(until, share) <= cost_s + 0.1 + 2e-3, "{stderr}");
+            let over = streakcast::output::format_utc(streakcast::frames::seconds_after(utc(until), 0.5), 3);
+            assert!(later_s == 10.0 || cost_at(&over, share) > cost_s + 0.1 - 2e-3, "{later_s} {stderr}");
+            limited += u32::from(later_s < 10.0);
             // No other start is better by more than the interval between the starts that are compared.
             for tenth in 1..=9 {
                 let later_s = 0.1 * f64::from(tenth) * now_s.min(60.0);
@@ -100,7 +108,7 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
             assert_eq!([count("clear"), count("started"), count("waited")].map(Option::unwrap), [0, at_once, waited]);
         }
     }
-    assert!(waited > 0, "no wait is worth its time");
+    assert!(waited > 0 && limited > 0, "no wait is worth its time, or no later start has another cost");
     // With the largest cost of a policy the exposure starts when its cost is small enough, or is not clear.
     let policy = path(&folder, "policy.toml");
     let now = "2024-08-14T23:45:00.000Z";
@@ -123,9 +131,10 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
         fs::write(&policy, format!("max_cost_s = {most_s}\nlimit_mag = -5")).unwrap();
         let (_, stderr, status) = gate(&folder, &[POINTING, more].concat());
         assert_eq!(status["verdict"] == "clear", verdict == "start", "{stderr}");
-        assert!(stderr.contains(&format!("streaks cost at most {most_s} s; ")), "{stderr}");
-        assert!(status.get("clear_until_utc").is_none() && !stderr.contains("starts until"), "{stderr}");
+        assert!(stderr.contains(&format!("streaks cost at most {most_s} s")), "{stderr}");
+        assert_eq!(status.get("clear_until_utc").is_some(), verdict == "start", "{stderr}");
         if verdict == "start" {
+            assert!(cost_at(status["clear_until_utc"].as_str().unwrap(), "0.08") <= most_s + 2e-3, "{stderr}");
             let start = status["start_utc"].as_str().unwrap();
             assert!(status["waited_s"].as_f64().unwrap() > 0.0 && cost_at(start, "0.08") <= most_s + 2e-3, "{stderr}");
         }

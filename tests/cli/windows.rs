@@ -331,7 +331,7 @@ fn invalid_arguments_are_reported() {
         (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude is 95 deg; allowed: -90 to 90"),
         (
             &[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]],
-            "the policy has max_cost_s, which windows does not support",
+            "the policy has max_cost_s, but windows are computed from the times of passes, without the cost of each start; allowed: limit_mag",
         ),
         (&[&["windows", "--targets", &schedule, "--fov", "6deg"], SKY, RANGE], &without_ra),
         (&[&["windows", "--targets", &empty, "--fov", "6deg"], SKY, RANGE], &without_rows),

@@ -33,6 +33,12 @@ const SAME_SITE_KM: f64 = 1.0;
 const STATUS: Duration = Duration::from_secs(2);
 /// Error of the clock after a wait, seconds, above which the clock is taken to have been changed during the wait.
 const CLOCK_STEP_S: f64 = 1.0;
+/// Time after the chosen start in which the costs of later starts are computed, and their interval, seconds. A satellite
+/// that enters the field between two of them crosses the later exposure.
+const LATER_S: f64 = 10.0;
+const LATER_STEP_S: f64 = 0.5;
+/// Largest difference between the costs of a later start and of the chosen one, seconds.
+const SAME_COST_S: f64 = 0.1;
 /// Largest number of avoided passes listed in the status file.
 const NAMED: usize = 5;
 
@@ -75,7 +81,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     let notices = decision.notices.unwrap_or_else(|| Notices::from_config(&flags.config));
     let (mut status, mut result) = (decision.status, fault.map_or(decision.result, Err));
     let rest = left(flags.deadline, flags.timeout).max(STATUS);
-    if let Some((waited_s, first, until)) = result.as_ref().ok().and_then(GateVerdict::start)
+    if let Some((waited_s, first, _)) = result.as_ref().ok().and_then(GateVerdict::start)
         && waited_s > 0.0
     {
         if let Some(path) = flags.host.status_file.clone() {
@@ -86,11 +92,13 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
             }
         }
         flags.clock.sleep_until(first);
+    }
+    if let Some((_, first, until)) = result.as_ref().ok().and_then(GateVerdict::start) {
         let now = flags.clock.now();
         let late_s = seconds_between(first, now);
         if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
             let message = format!(
-                "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the clear start"
+                "the clock was set, or the machine was suspended or slow: {late_s:+.1} s from the start that was judged"
             );
             result = Err(Fault::new(FaultKind::Clock, message));
         }
@@ -239,20 +247,34 @@ fn verdict(
         Fault::new(FaultKind::Target, message)
     };
     if by_cost {
-        let row = row_of(&target, now);
-        let (best, _) =
-            best_start(&row, flags.max_wait_s, &window_request.conditions).map_err(|error| setup_fault(&error))?;
-        let Some(best) = best else { return Err(below()) };
-        let first = seconds_after(now, best.delay_s);
+        let mut from = now;
+        let (first, until, best) = loop {
+            let longest_s = (flags.max_wait_s - seconds_between(now, from)).max(0.0);
+            let (best, _) = best_start(&row_of(&target, from), longest_s, &window_request.conditions)
+                .map_err(|error| setup_fault(&error))?;
+            let Some(best) = best else { return Err(below()) };
+            state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
+            let most_s = policy.max_cost_s.unwrap_or(f64::INFINITY);
+            if best.streak_cost_s > most_s {
+                return Ok(GateVerdict::NotClear { most_s: policy.max_cost_s });
+            }
+            let first = seconds_after(from, best.delay_s);
+            let most_s = most_s.min(best.streak_cost_s + SAME_COST_S);
+            let until = last_start(&target, first, seconds_after(first, LATER_S), most_s, &window_request.conditions)
+                .map_err(|error| setup_fault(&error))?;
+            let ended = flags.clock.now();
+            if ended <= until || from > now {
+                break (first, until, best);
+            }
+            // The start is over. Those after a second computation, which takes as long, are compared.
+            from = seconds_after(ended, seconds_between(from, ended));
+        };
         let waited_s = seconds_between(flags.clock.now(), first).max(0.0);
-        state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
-        if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
-            return Ok(GateVerdict::NotClear { most_s: policy.max_cost_s });
-        }
         state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
         state(status, "start_utc", format_utc(first, 3));
+        state(status, "cost_until_utc", format_utc(until, 3));
         state(status, "streak_cost_s", rounded(best.streak_cost_s, 3));
-        return Ok(GateVerdict::Best { waited_s, first, best });
+        return Ok(GateVerdict::Best { waited_s, first, until, best });
     }
     // The windows extend beyond the longest wait, so that the end of the clear interval is known.
     let horizon = seconds_after(now, flags.max_wait_s + duration_s.max(60.0) + duration_s);
@@ -277,9 +299,7 @@ fn verdict(
     let waited_s = seconds_between(now, first).max(0.0);
     state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
     state(status, "start_utc", format_utc(first, 3));
-    if most_s.is_none() {
-        state(status, "clear_until_utc", format_utc(until, 3));
-    }
+    state(status, "clear_until_utc", format_utc(until, 3));
     Ok(GateVerdict::Clear { waited_s, first, until, most_s, is_limited })
 }
 
@@ -290,8 +310,29 @@ fn row_of(target: &WindowTarget, start: Epoch) -> ScheduledExposure {
     ScheduledExposure { id: exposure.id.clone(), row: 0, band: band.clone(), open_s: None, exposure: Ok(exposure) }
 }
 
-/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the end of its window: of the
-/// beginnings of the windows and of starts at equal intervals from the first to the last time.
+/// Returns the last of the starts from `first` to `last` up to which the streaks cost at most `most_s`. At `first` they do.
+fn last_start(
+    target: &WindowTarget,
+    first: Epoch,
+    last: Epoch,
+    most_s: f64,
+    request: &FlagRequest<'_>,
+) -> Result<Epoch, Error> {
+    let steps = (seconds_between(first, last).min(LATER_S) / LATER_STEP_S).max(0.0) as u32;
+    let later: Vec<Epoch> = (1..=steps).map(|step| seconds_after(first, LATER_STEP_S * f64::from(step))).collect();
+    let rows: Vec<ScheduledExposure> = later.iter().map(|start| row_of(target, *start)).collect();
+    let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
+    let is_affordable = |flag: &Verdict| flag.streak_cost_s.is_some_and(|cost_s| cost_s <= most_s);
+    Ok(later
+        .into_iter()
+        .zip(&flags)
+        .take_while(|(_, flag)| is_affordable(flag))
+        .last()
+        .map_or(first, |(start, _)| start))
+}
+
+/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the last start up to which they
+/// do: of the beginnings of the windows and of starts at equal intervals from the first to the last time.
 fn affordable_start(
     windows: &[ClearWindow],
     (now, last): (Epoch, Epoch),
@@ -312,7 +353,11 @@ fn affordable_start(
     let rows: Vec<ScheduledExposure> = starts.iter().map(|window| row_of(target, window.first)).collect();
     let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
     let is_affordable = |flag: &Verdict| flag.streak_cost_s.is_some_and(|cost_s| cost_s <= most_s);
-    Ok(starts.into_iter().zip(flags).find(|(_, flag)| is_affordable(flag)).map(|(window, _)| window))
+    let found = starts.into_iter().zip(flags).find(|(_, flag)| is_affordable(flag)).map(|(window, _)| window);
+    let until = |ClearWindow { first, last }| {
+        Ok(ClearWindow { first, last: last_start(target, first, last, most_s, request)? })
+    };
+    found.map(until).transpose()
 }
 
 /// Returns pointing and site. The pointing is, in this order, that of the flags, of the target name, or of the mount.
