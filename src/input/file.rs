@@ -200,7 +200,10 @@ fn in_words(message: &str) -> String {
         |name: &str| name.strip_prefix(['u', 'i']).is_some_and(|end| end == "size" || end.parse::<u8>().is_ok());
     let allowed = match expected {
         "f64" | "f32" => "a number",
-        "a string" | "literal string" => "a text in quotes",
+        "a string" => "a text in quotes",
+        // The value has no form of TOML.
+        "literal string" => "a text in quotes, a number, true, false, or a date",
+        "a TOML datetime" => "a date without quotes, such as 2026-01-01",
         "a boolean" => "true, false",
         "a sequence" => "a list",
         "a map" => "a table of keys",
@@ -266,6 +269,10 @@ mod tests {
             ("invalid type: string \"x\", expected f64", "invalid value \"x\"; allowed: a number"),
             ("invalid value: integer `-1`, expected usize", "invalid value '-1'; allowed: a whole number"),
             ("invalid type: map, expected a string", "invalid value, a table of keys; allowed: a text in quotes"),
+            (
+                "invalid type: string \"x\", expected a TOML datetime",
+                "invalid value \"x\"; allowed: a date without quotes, such as 2026-01-01",
+            ),
             ("unknown field `a`, expected one of `b`, `c`", "unknown key 'a'; allowed: b, c"),
             ("unknown variant `a`, expected `b` or `c`", "unknown value 'a'; allowed: b or c"),
             ("missing field `a`", "missing key 'a'"),
@@ -274,7 +281,11 @@ mod tests {
         }
         let error = |text: &str| toml_error(&toml::from_str::<toml::Table>(text).unwrap_err(), text).to_string();
         assert_eq!(error("a = 1\nb = 2\na = 3"), "line 3: duplicate key 'a'; allowed: once");
-        assert!(error("a = x").ends_with("invalid value; allowed: a text in quotes"), "{}", error("a = x"));
+        assert!(
+            error("a = x").ends_with("allowed: a text in quotes, a number, true, false, or a date"),
+            "{}",
+            error("a = x")
+        );
     }
 
     #[test]

@@ -16,8 +16,7 @@ pub enum GateVerdict {
     /// The field is clear from `first` to `until`, at once or after a wait. If `is_limited`, satellites that exceed no
     /// limit may cross. If the policy has a largest cost `most_s`, the streaks of these starts cost at most this.
     Clear { waited_s: f64, first: Epoch, until: Epoch, most_s: Option<f64>, is_limited: bool },
-    /// The cost of streaks plus the wait is smallest if the exposure starts at `first`. Starts up to `until` have about the
-    /// same cost.
+    /// The cost of streaks plus the wait is smallest if the exposure starts from `first` to `until`.
     Best { waited_s: f64, first: Epoch, until: Epoch, best: BestStart },
     /// There is no clear start within the longest wait, with streaks that cost at most `most_s`.
     NotClear { most_s: Option<f64> },

@@ -14,8 +14,8 @@ use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
-    Blocking, COMPARED_STARTS, ClearWindow, FlagRequest, Policy, ScheduledExposure, TargetWindows, Verdict,
-    WindowRequest, WindowTarget, best_start, clear_windows, judge_exposures, next_window, reason_for_unknown_starts,
+    Blocking, COMPARED_STARTS, ClearWindow, FlagRequest, Policy, ScheduledExposure, TargetWindows, WindowRequest,
+    WindowTarget, best_start, clear_windows, delayed_costs_s, next_window, reason_for_unknown_starts,
 };
 
 use super::arguments::{Flags, GateArguments, Request};
@@ -33,12 +33,6 @@ const SAME_SITE_KM: f64 = 1.0;
 const STATUS: Duration = Duration::from_secs(2);
 /// Error of the clock after a wait, seconds, above which the clock is taken to have been changed during the wait.
 const CLOCK_STEP_S: f64 = 1.0;
-/// Time after the chosen start in which the costs of later starts are computed, and their interval, seconds. A satellite
-/// that enters the field between two of them crosses the later exposure.
-const LATER_S: f64 = 10.0;
-const LATER_STEP_S: f64 = 0.5;
-/// Largest difference between the costs of a later start and of the chosen one, seconds.
-const SAME_COST_S: f64 = 0.1;
 /// Largest number of avoided passes listed in the status file.
 const NAMED: usize = 5;
 
@@ -250,18 +244,15 @@ fn verdict(
         let mut from = now;
         let (first, until, best) = loop {
             let longest_s = (flags.max_wait_s - seconds_between(now, from)).max(0.0);
-            let (best, _) = best_start(&row_of(&target, from), longest_s, &window_request.conditions)
+            let best = best_start(&row_of(&target, from), longest_s, &window_request.conditions)
                 .map_err(|error| setup_fault(&error))?;
             let Some(best) = best else { return Err(below()) };
             state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
-            let most_s = policy.max_cost_s.unwrap_or(f64::INFINITY);
-            if best.streak_cost_s > most_s {
+            if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
                 return Ok(GateVerdict::NotClear { most_s: policy.max_cost_s });
             }
             let first = seconds_after(from, best.delay_s);
-            let most_s = most_s.min(best.streak_cost_s + SAME_COST_S);
-            let until = last_start(&target, first, seconds_after(first, LATER_S), most_s, &window_request.conditions)
-                .map_err(|error| setup_fault(&error))?;
+            let until = seconds_after(first, policy.margin_or_default_s());
             let ended = flags.clock.now();
             if ended <= until || from > now {
                 break (first, until, best);
@@ -310,29 +301,8 @@ fn row_of(target: &WindowTarget, start: Epoch) -> ScheduledExposure {
     ScheduledExposure { id: exposure.id.clone(), row: 0, band: band.clone(), open_s: None, exposure: Ok(exposure) }
 }
 
-/// Returns the last of the starts from `first` to `last` up to which the streaks cost at most `most_s`. At `first` they do.
-fn last_start(
-    target: &WindowTarget,
-    first: Epoch,
-    last: Epoch,
-    most_s: f64,
-    request: &FlagRequest<'_>,
-) -> Result<Epoch, Error> {
-    let steps = (seconds_between(first, last).min(LATER_S) / LATER_STEP_S).max(0.0) as u32;
-    let later: Vec<Epoch> = (1..=steps).map(|step| seconds_after(first, LATER_STEP_S * f64::from(step))).collect();
-    let rows: Vec<ScheduledExposure> = later.iter().map(|start| row_of(target, *start)).collect();
-    let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
-    let is_affordable = |flag: &Verdict| flag.streak_cost_s.is_some_and(|cost_s| cost_s <= most_s);
-    Ok(later
-        .into_iter()
-        .zip(&flags)
-        .take_while(|(_, flag)| is_affordable(flag))
-        .last()
-        .map_or(first, |(start, _)| start))
-}
-
-/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the last start up to which they
-/// do: of the beginnings of the windows and of starts at equal intervals from the first to the last time.
+/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the last start for which they
+/// were computed: of the beginnings of the windows and of starts at equal intervals from the first to the last time.
 fn affordable_start(
     windows: &[ClearWindow],
     (now, last): (Epoch, Epoch),
@@ -350,14 +320,14 @@ fn affordable_start(
     let mut starts: Vec<ClearWindow> = starts.filter_map(window_from).collect();
     starts.sort_by_key(|window| window.first);
     starts.dedup_by_key(|window| window.first);
-    let rows: Vec<ScheduledExposure> = starts.iter().map(|window| row_of(target, window.first)).collect();
-    let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
-    let is_affordable = |flag: &Verdict| flag.streak_cost_s.is_some_and(|cost_s| cost_s <= most_s);
-    let found = starts.into_iter().zip(flags).find(|(_, flag)| is_affordable(flag)).map(|(window, _)| window);
-    let until = |ClearWindow { first, last }| {
-        Ok(ClearWindow { first, last: last_start(target, first, last, most_s, request)? })
-    };
-    found.map(until).transpose()
+    let delays_s: Vec<f64> = starts.iter().map(|window| seconds_between(now, window.first)).collect();
+    let costs_s = delayed_costs_s(&row_of(target, now), &delays_s, request)?;
+    let is_affordable = |cost_s: &Option<f64>| cost_s.is_some_and(|cost_s| cost_s <= most_s);
+    let found = starts.into_iter().zip(costs_s).find(|(_, cost_s)| is_affordable(cost_s));
+    Ok(found.map(|(ClearWindow { first, last }, _)| {
+        let judged_until = seconds_after(first, request.policy.margin_or_default_s());
+        ClearWindow { first, last: last.min(judged_until) }
+    }))
 }
 
 /// Returns pointing and site. The pointing is, in this order, that of the flags, of the target name, or of the mount.
