@@ -168,18 +168,23 @@ pub fn toml_error(error: &toml::de::Error, text: &str) -> Error {
 
 /// Returns the error of a parser of JSON with the number of the line in the text.
 pub fn json_error(error: &serde_json::Error) -> Error {
+    let sentence = json_value_error(error);
+    // Without a text, as for a value that is read already, the line is 0.
+    if error.line() > 0 { sentence.on_line(error.line()) } else { sentence }
+}
+
+/// Returns the error of a parser of JSON without its place, for a text that was generated.
+pub fn json_value_error(error: &serde_json::Error) -> Error {
     let text = error.to_string();
     let what = text.rsplit_once(" at line ").map_or(&*text, |(what, _)| what);
-    let sentence = match error.classify() {
+    Error::format(match error.classify() {
         Category::Data => in_words(what),
         Category::Eof => "the text ends before the end of the JSON document; allowed: a complete document".to_owned(),
         Category::Syntax | Category::Io => {
             let allowed = "JSON: texts in double quotes, numbers, true, false, null, arrays and objects";
             format!("column {}: {what}; allowed: {allowed}", error.column())
         }
-    };
-    // Without a text, as for a value that is read already, the line is 0.
-    if error.line() > 0 { Error::format(sentence).on_line(error.line()) } else { Error::format(sentence) }
+    })
 }
 
 /// Returns the message of a parser of TOML or JSON as an error of this crate, which states what is given and allowed.

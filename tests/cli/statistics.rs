@@ -105,6 +105,9 @@ fn every_night_has_its_warnings() {
     let of_nights = |nights: &[&str]| run(&[base, &["--night"], nights]).2;
     let days = |stderr: &str| stderr.matches("more than 14 days from the exposures").count();
     assert_eq!(of_nights(&["2026-03-20"]), "");
+    // A limit for another band than that of the magnitudes, V, gives no counts.
+    let stderr = run(&[base, &["--night", "2026-03-20", "--limit-mag", "g=7"]]).2;
+    assert_eq!(stderr, "warning: limit_mag of the policy has no value for band V and no default\n");
     // Elements that are recent in the first night are old in the others.
     let stderr = of_nights(&["2026-03-20", "2026-04-20"]);
     assert_eq!((days(&stderr), stderr.lines().count()), (1, 1), "{stderr}");

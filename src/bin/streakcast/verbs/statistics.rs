@@ -142,6 +142,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let photometry = config.photometry()?;
     let limit_mag = config.limit_mag()?;
     let notices = begin(&config)?;
+    notices.warn(&config.limit_warnings()?);
     set_tonight(&mut typed.night, &config)?;
     if let Some(remark) = date_line_remark(typed.night.first().map(String::as_str), &config) {
         notices.info(&remark);
