@@ -413,7 +413,7 @@ fn invalid_rows_are_kept_with_a_reason_and_the_others_are_evaluated() {
             "thirty",
             "280",
             "-30",
-            "duration 'thirty' is not a number; allowed: a number without its unit, above 0 to",
+            "duration 'thirty' is not a number; allowed: a decimal number such as 30.5, above 0 to",
         ),
         ("gap", "", "30", "280", "-30", "start is missing"),
         ("early", "1850-01-01T00:00:00Z", "30", "280", "-30", "outside the years of the ephemeris"),
