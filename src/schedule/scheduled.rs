@@ -428,8 +428,8 @@ fn exposure<'a>(
     let number = |index: usize, scale: f64, name: &str, range: RangeInclusive<f64>| {
         let least = if *range.start() == f64::MIN_POSITIVE { "above 0".to_owned() } else { range.start().to_string() };
         let allowed = format!("{least} to {}", range.end());
-        let without_unit = |what| format!("{name} {what}; allowed: a decimal number such as 30.5, {allowed}");
-        let value = scale * cell(index).number().map_err(without_unit)?;
+        let in_words = |what| format!("{name} {what}; allowed: a decimal number such as 30.5, {allowed}");
+        let value = scale * cell(index).number().map_err(in_words)?;
         if range.contains(&value) { Ok(value) } else { Err(format!("{name} is {value}; allowed: {allowed}")) }
     };
     let start = start_of(&cell(map.start.index).scaled(scales.start), &map.start, scale)?;
