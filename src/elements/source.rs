@@ -175,24 +175,25 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
     for ((start, format), end) in starts.iter().zip(ends) {
         let part = &text[*start..end];
         // A CCSDS navigation data message (NDM) may contain both OMM and OEM messages.
-        let parse_ephemerides: Option<fn(&str) -> Result<Vec<Ephemeris>, ephemeris::Problem>> = match format {
-            ElementFormat::OemKvn if ephemeris::looks_like_oem_kvn(part) => Some(ephemeris::parse_oem_kvn),
-            ElementFormat::OmmXml if ephemeris::looks_like_oem_xml(part) => Some(ephemeris::parse_oem_xml),
+        let found = match format {
+            ElementFormat::OemKvn if ephemeris::looks_like_oem_kvn(part) => Some(ephemeris::parse_oem_kvn(part)),
+            ElementFormat::OmmXml if ephemeris::looks_like_oem_xml(part) => Some(ephemeris::parse_oem_xml(part)),
             _ => None,
         };
-        if let Some(parse) = parse_ephemerides {
+        let has_ephemerides = found.is_some();
+        if let Some(found) = found {
             let lines_before = text[..*start].matches('\n').count();
             let of_file = |problem: ephemeris::Problem| {
                 with_name(ephemeris::Problem { line: lines_before + problem.line, ..problem })
             };
-            ephemerides.extend(parse(part).map_err(of_file)?);
+            ephemerides.extend(found.map_err(of_file)?);
         }
         let parsed = match format {
             ElementFormat::OmmJson => omm_json::parse(part, checksums),
             ElementFormat::OmmCsv => omm_csv::parse(part, checksums),
             ElementFormat::OmmXml => omm_xml::parse(part, checksums),
             ElementFormat::OmmKvn => omm_kvn::parse(part),
-            ElementFormat::OemKvn if parse_ephemerides.is_some() => Parsed::default(),
+            ElementFormat::OemKvn if has_ephemerides => Parsed::default(),
             _ => tle_file::parse(part, checksums),
         };
         parts.push((*start, parsed));
