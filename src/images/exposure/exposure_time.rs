@@ -274,8 +274,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     }
     let created = instants.created.take().filter(|(from, _)| first.from.starts_with(from)).map(|(from, text)| {
         format!(
-            "{from} is read as the end of the exposure (comment {text:?}), as programs for this camera do: its maker does not \
-             document it; for another start specify --start"
+            "{from} is read as the end of the exposure (comment {text:?}), as the Seestar Photometry Stack for Siril does: the \
+             maker of the camera does not document it; for another start specify --start"
         )
     });
     if approximate.is_none()

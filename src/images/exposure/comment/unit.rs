@@ -8,9 +8,9 @@ use super::words::{Comment, EXPOSURE, FRAMES, lists};
 const SIZED: &str = "unit units tick ticks";
 const STEPS: &str = "ticks jiffies";
 /// Words beside a duration that may be the size of a unit or a resolution.
-const RESOLUTIONS: &str = "unit units tick ticks jiffies step steps increment increments multiple multiples resolution";
+const RESOLUTIONS: &str = "unit units tick ticks jiffies step steps increment increments multiple multiples";
 /// Words and signs before a duration that limits the value or is its error.
-const LIMITS: &str = "max maximum min minimum error accuracy uncertainty precision";
+const LIMITS: &str = "max maximum min minimum error accuracy uncertainty precision resolution";
 const LIMIT_SIGNS: &[&str] =
     &["+/-", "+-", "<", ">", "than", "within", "accurate to", "precise to", "rounded to", "good to"];
 /// Last words of the name of an exposure time.
@@ -79,7 +79,9 @@ impl Comment {
         let before = |quantity: &Quantity| text[..quantity.at.start].trim_end();
         let is_limit = |quantity: &&Quantity| {
             let before = before(quantity).trim_end_matches([' ', ':', '=', '.']);
-            lists(LIMITS, &last_word(before)) || LIMIT_SIGNS.iter().any(|sign| before.ends_with(sign))
+            lists(LIMITS, &last_word(before))
+                || LIMIT_SIGNS.iter().any(|sign| before.ends_with(sign))
+                || text[quantity.at.end..].trim_start().starts_with("resolution")
         };
         let stated: Vec<&Quantity> = all.iter().filter(|quantity| !is_limit(quantity)).collect();
         let Some(first) = stated.first() else {
@@ -102,8 +104,14 @@ impl Comment {
         } else if self.has(RESOLUTIONS) {
             return Err("a unit or a resolution".to_owned());
         } else {
+            // "3 x 20 s"
+            let times = |quantity: &Quantity| {
+                let count = before(quantity).strip_suffix(['x', '*'])?.trim_end();
+                count.rsplit(|c: char| !c.is_ascii_digit()).next()?.parse::<f64>().ok()
+            };
             let unit_s = |quantity: &&Quantity| {
-                let is_in_seconds = agree(quantity.number * quantity.unit_s);
+                let duration_s = quantity.number * quantity.unit_s;
+                let is_in_seconds = agree(duration_s) || times(quantity).is_some_and(|count| agree(count * duration_s));
                 if is_in_seconds { Some(1.0) } else { agree(quantity.number).then_some(quantity.unit_s) }
             };
             stated.iter().filter_map(unit_s).collect()
@@ -495,6 +503,10 @@ mod tests {
             ("ticks of 1/60 s", 5.0, Ok(Some(1.0 / 60.0))),
             ("Exposure in 1/1000 s", 5.0, Ok(Some(1e-3))),
             ("1/100 s", 200.0, Ok(Some(0.01))),
+            ("total (3 x 20 s)", 60.0, Ok(Some(1.0))),
+            ("total (3 x 20 s)", 50.0, unclear("20 s")),
+            ("Exposure time, resolution 1 ms", 30.0, Ok(None)),
+            ("Exposure time (1 ms resolution)", 30.0, Ok(None)),
             ("multiples of 0.1 s", 5.0, resolution()),
             ("Exposure time (0.1 s steps)", 5.0, resolution()),
             ("10 ms increments", 10.0, resolution()),
