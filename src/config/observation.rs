@@ -1,5 +1,6 @@
 //! Field, telescope, policy, photometry and exposure of a configuration.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use hifitime::TimeScale;
@@ -188,6 +189,15 @@ impl Config {
     pub fn limit_mag(&self) -> Result<Option<f64>, Error> {
         let band = self.photometry()?.band;
         Ok(self.policy()?.limit_mag.and_then(|limit| limit.limit_in(Some(band.name()))))
+    }
+
+    /// Returns a warning if the magnitude limits of the policy have no value for the band of the magnitudes.
+    ///
+    /// # Errors
+    /// Same as [`Config::policy`] and [`Config::photometry`].
+    pub fn limit_warnings(&self) -> Result<Vec<String>, Error> {
+        let band = self.photometry()?.band;
+        Ok(self.policy()?.band_warnings(&BTreeSet::from([Some(band.name())])))
     }
 
     /// Checks the limits that are given beside a policy.

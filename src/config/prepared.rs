@@ -250,16 +250,16 @@ impl PreparedSky {
     }
 
     /// Adds the satellites to the periods of a provenance, like [`LoadedInputs::period_json`], unless the last period has
-    /// the same. Returns true if they are added.
-    pub fn add_period(&self, first_start: Epoch, periods: &mut Vec<serde_json::Value>) -> bool {
+    /// the same.
+    pub fn add_period(&self, first_start: Epoch, periods: &mut Vec<serde_json::Value>) {
         let stated = |name| self.provenance.get(name).cloned();
         let elements = stated("elements").filter(|_| self.has_own_elements);
         let shells = stated("shells").unwrap_or_else(|| json!([]));
         let period = period_json(first_start, self.sky.elements().len(), shells, elements);
         let differs = |last: &serde_json::Value| ["shells", "elements"].iter().any(|name| last[name] != period[name]);
-        let is_new = periods.last().is_none_or(differs);
-        periods.extend(is_new.then_some(period));
-        is_new
+        if periods.last().is_none_or(differs) {
+            periods.push(period);
+        }
     }
 
     /// Returns the warnings about the files, and those about inputs that are too old for a request from `first` to
@@ -303,7 +303,11 @@ impl PreparedSky {
     /// # Errors
     /// The altitude is below 0°.
     pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), Error> {
-        let viewpoint = self.sky.viewpoint();
+        self.check_altitude_from(self.sky.viewpoint(), what, exposure)
+    }
+
+    /// As [`check_altitude`](Self::check_altitude), for another observer than that of the sky.
+    pub fn check_altitude_from(&self, viewpoint: &Viewpoint, what: &str, exposure: &Exposure) -> Result<(), Error> {
         let altitude_rad = lowest_altitude_rad(exposure, viewpoint, &self.eop);
         if altitude_rad < 0.0 {
             return Err(request(format!(

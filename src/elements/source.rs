@@ -153,36 +153,47 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
         let ephemeris::Problem { line, what, given, allowed } = problem;
         Error::invalid(what, given, allowed).located(format_args!("{name}:{line}"), name, Some(line))
     };
-    let no_sets = |ephemerides: Result<Vec<Ephemeris>, ephemeris::Problem>| {
-        let ephemerides = ephemerides.map_err(with_name)?;
+    // A Modified ITC file is not part of another one, because its name has the number of the satellite.
+    if format == ElementFormat::ModifiedItc {
+        let ephemerides = ephemeris::parse_modified_itc(name, &text).map_err(with_name)?;
         let (sets, rejected) = (Vec::new(), Vec::new());
-        Ok(Content { format, gzipped, sets, ephemerides, rejected, cut_short: false, bad_checksums_accepted: 0 })
-    };
-    match format {
-        ElementFormat::ModifiedItc => return no_sets(ephemeris::parse_modified_itc(name, &text)),
-        ElementFormat::OemKvn => return no_sets(ephemeris::parse_oem_kvn(&text)),
-        ElementFormat::OemXml => return no_sets(ephemeris::parse_oem_xml(&text)),
-        _ => {}
+        return Ok(Content {
+            format,
+            gzipped,
+            sets,
+            ephemerides,
+            rejected,
+            cut_short: false,
+            bad_checksums_accepted: 0,
+        });
     }
-    let starts = starts_of_parts(&text, format);
+    let first = if format == ElementFormat::OemXml { ElementFormat::OmmXml } else { format };
+    let starts = starts_of_parts(&text, first);
     let ends = starts.iter().skip(1).map(|(start, _)| *start).chain([text.len()]);
     let mut ephemerides = Vec::new();
     let mut parts = Vec::with_capacity(starts.len());
     for ((start, format), end) in starts.iter().zip(ends) {
         let part = &text[*start..end];
         // A CCSDS navigation data message (NDM) may contain both OMM and OEM messages.
-        if *format == ElementFormat::OmmXml && ephemeris::looks_like_oem_xml(part) {
+        let found = match format {
+            ElementFormat::OemKvn if ephemeris::looks_like_oem_kvn(part) => Some(ephemeris::parse_oem_kvn(part)),
+            ElementFormat::OmmXml if ephemeris::looks_like_oem_xml(part) => Some(ephemeris::parse_oem_xml(part)),
+            _ => None,
+        };
+        let has_ephemerides = found.is_some();
+        if let Some(found) = found {
             let lines_before = text[..*start].matches('\n').count();
             let of_file = |problem: ephemeris::Problem| {
                 with_name(ephemeris::Problem { line: lines_before + problem.line, ..problem })
             };
-            ephemerides.extend(ephemeris::parse_oem_xml(part).map_err(of_file)?);
+            ephemerides.extend(found.map_err(of_file)?);
         }
         let parsed = match format {
             ElementFormat::OmmJson => omm_json::parse(part, checksums),
             ElementFormat::OmmCsv => omm_csv::parse(part, checksums),
             ElementFormat::OmmXml => omm_xml::parse(part, checksums),
             ElementFormat::OmmKvn => omm_kvn::parse(part),
+            ElementFormat::OemKvn if has_ephemerides => Parsed::default(),
             _ => tle_file::parse(part, checksums),
         };
         parts.push((*start, parsed));
@@ -200,7 +211,8 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
 fn starts_of_parts(text: &str, first: ElementFormat) -> Vec<(usize, ElementFormat)> {
     let mut starts = vec![(0, first)];
     // Millions of lines of TLEs are searched only for other forms.
-    if first == ElementFormat::Tle && !["MEAN_MOTION", "TLE_LINE1"].iter().any(|keyword| text.contains(keyword)) {
+    const OTHERS: [&str; 5] = ["MEAN_MOTION", "TLE_LINE1", ephemeris::OEM_KVN_OPENING, "<oem", ":oem"];
+    if first == ElementFormat::Tle && !OTHERS.iter().any(|keyword| text.contains(keyword)) {
         return starts;
     }
     let (mut at, mut before) = (0, None);
@@ -215,10 +227,12 @@ fn starts_of_parts(text: &str, first: ElementFormat) -> Vec<(usize, ElementForma
         let found = format_started_by(line).unwrap_or(current);
         // Tables with other titles have their own columns.
         let has_titles = found == ElementFormat::OmmCsv && before.is_some() && omm_csv::looks_like(line);
-        if found != current || has_titles {
+        let is_next_message = found == ElementFormat::OemKvn && before.is_some() && ephemeris::opens_oem_kvn(line);
+        if found != current || has_titles || is_next_message {
             // The name of a satellite is in the line before.
             let name = before.filter(|(_, line): &(usize, &str)| !line.contains(['<', '>', '{', '}', '=', ',', '"']));
             let name = name.filter(|(_, line)| found == ElementFormat::Tle && *line != "]");
+            let name = name.filter(|(_, line)| current != ElementFormat::OemKvn || !ephemeris::closes_oem_kvn(line));
             starts.push((name.map_or(offset, |(name_at, _)| name_at), found));
             current = found;
         }
@@ -233,12 +247,14 @@ fn format_started_by(line: &str) -> Option<ElementFormat> {
         [b'<', ..] if line.starts_with("<?xml") || line.starts_with("<ndm") || omm_xml::looks_like(line) => {
             Some(ElementFormat::OmmXml)
         }
+        [b'<', ..] if ephemeris::looks_like_oem_xml(line) => Some(ElementFormat::OmmXml),
         [b'{' | b'[', rest @ ..] => {
             matches!(rest.trim_ascii_start(), [] | [b'{' | b'[' | b'"', ..]).then_some(ElementFormat::OmmJson)
         }
         [b'1', b' ', ..] if !line.contains([',', ';', '\t']) => {
             tle_file::looks_like(line).then_some(ElementFormat::Tle)
         }
+        _ if ephemeris::opens_oem_kvn(line) => Some(ElementFormat::OemKvn),
         _ if omm_kvn::opens(line) => Some(ElementFormat::OmmKvn),
         _ if line.contains("MEAN_MOTION") && omm_csv::looks_like(line) => Some(ElementFormat::OmmCsv),
         _ => None,

@@ -142,10 +142,10 @@ impl StatisticsRequest {
             angles.iter().copied().find(|angle| !(from..=to).contains(&angle.to_degrees()))
         };
         if let Some(sun_rad) = bad(&self.sun_altitudes_rad, -90.0, 90.0) {
-            return out_of_range("sun-altitudes", sun_rad.to_degrees(), " deg", "-90 to 90 deg");
+            return out_of_range("sun-altitude-deg", sun_rad.to_degrees(), " deg", "-90 to 90 deg");
         }
         if let Some(altitude_rad) = bad(&self.min_altitudes_rad, 0.0, 89.0) {
-            return out_of_range("min-altitudes", altitude_rad.to_degrees(), " deg", "0 to 89 deg");
+            return out_of_range("min-altitude", altitude_rad.to_degrees(), " deg", "0 to 89 deg");
         }
         if !(self.field_rad > 0.0 && self.field_rad <= PI) {
             return out_of_range("fov", self.field_rad.to_degrees(), " deg", "above 0 deg, at most 180 deg");

@@ -93,7 +93,6 @@ fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, Error> {
 }
 
 /// Returns true for a text that ends in `Z` or an offset from UTC, whether or not the time is valid.
-#[cfg(feature = "fit")]
 pub(crate) fn has_zone(text: &str) -> bool {
     split_zone(text.trim()).is_ok_and(|(_, offset_minutes)| offset_minutes.is_some())
 }

@@ -29,10 +29,8 @@ mod vector;
 pub(crate) use angles::degrees_of;
 pub use earth_orientation::EopTable;
 pub(crate) use equatorial::itrs_to_horizontal;
-#[cfg(feature = "fit")]
-pub(crate) use instant::has_zone;
 pub use instant::parse_instant;
-pub(crate) use instant::{FIRST_YEAR, LAST_YEAR};
+pub(crate) use instant::{FIRST_YEAR, LAST_YEAR, has_zone};
 pub(crate) use orientation::eme2000_to_gcrs;
 pub use orientation::{Orientation, OrientationTable};
 pub use time::{epoch_from_mjd, mjd_utc, seconds_after, seconds_between};

@@ -168,18 +168,23 @@ pub fn toml_error(error: &toml::de::Error, text: &str) -> Error {
 
 /// Returns the error of a parser of JSON with the number of the line in the text.
 pub fn json_error(error: &serde_json::Error) -> Error {
+    let sentence = json_value_error(error);
+    // Without a text, as for a value that is read already, the line is 0.
+    if error.line() > 0 { sentence.on_line(error.line()) } else { sentence }
+}
+
+/// Returns the error of a parser of JSON without its place, for a text that was generated.
+pub fn json_value_error(error: &serde_json::Error) -> Error {
     let text = error.to_string();
     let what = text.rsplit_once(" at line ").map_or(&*text, |(what, _)| what);
-    let sentence = match error.classify() {
+    Error::format(match error.classify() {
         Category::Data => in_words(what),
         Category::Eof => "the text ends before the end of the JSON document; allowed: a complete document".to_owned(),
         Category::Syntax | Category::Io => {
             let allowed = "JSON: texts in double quotes, numbers, true, false, null, arrays and objects";
             format!("column {}: {what}; allowed: {allowed}", error.column())
         }
-    };
-    // Without a text, as for a value that is read already, the line is 0.
-    if error.line() > 0 { Error::format(sentence).on_line(error.line()) } else { Error::format(sentence) }
+    })
 }
 
 /// Returns the message of a parser of TOML or JSON as an error of this crate, which states what is given and allowed.
@@ -200,7 +205,10 @@ fn in_words(message: &str) -> String {
         |name: &str| name.strip_prefix(['u', 'i']).is_some_and(|end| end == "size" || end.parse::<u8>().is_ok());
     let allowed = match expected {
         "f64" | "f32" => "a number",
-        "a string" | "literal string" => "a text in quotes",
+        "a string" => "a text in quotes",
+        // The value has no form of TOML.
+        "literal string" => "a text in quotes, a number, true, false, or a date",
+        "a TOML datetime" => "a date without quotes, such as 2026-01-01",
         "a boolean" => "true, false",
         "a sequence" => "a list",
         "a map" => "a table of keys",
@@ -266,6 +274,10 @@ mod tests {
             ("invalid type: string \"x\", expected f64", "invalid value \"x\"; allowed: a number"),
             ("invalid value: integer `-1`, expected usize", "invalid value '-1'; allowed: a whole number"),
             ("invalid type: map, expected a string", "invalid value, a table of keys; allowed: a text in quotes"),
+            (
+                "invalid type: string \"x\", expected a TOML datetime",
+                "invalid value \"x\"; allowed: a date without quotes, such as 2026-01-01",
+            ),
             ("unknown field `a`, expected one of `b`, `c`", "unknown key 'a'; allowed: b, c"),
             ("unknown variant `a`, expected `b` or `c`", "unknown value 'a'; allowed: b or c"),
             ("missing field `a`", "missing key 'a'"),
@@ -274,7 +286,11 @@ mod tests {
         }
         let error = |text: &str| toml_error(&toml::from_str::<toml::Table>(text).unwrap_err(), text).to_string();
         assert_eq!(error("a = 1\nb = 2\na = 3"), "line 3: duplicate key 'a'; allowed: once");
-        assert!(error("a = x").ends_with("invalid value; allowed: a text in quotes"), "{}", error("a = x"));
+        assert!(
+            error("a = x").ends_with("allowed: a text in quotes, a number, true, false, or a date"),
+            "{}",
+            error("a = x")
+        );
     }
 
     #[test]

@@ -18,20 +18,45 @@ pub const COMPARED_STARTS: u32 = 60;
 pub struct BestStart {
     /// Delay after the scheduled start, seconds.
     pub delay_s: f64,
-    /// Expected cost of the streaks of the delayed exposure, seconds of open shutter.
+    /// Expected cost of the streaks of the delayed exposure, seconds of open shutter: the larger one of those of shutter
+    /// openings at the start and `margin_s` of the policy later.
     pub streak_cost_s: f64,
-    /// Expected cost of the streaks of the exposure as scheduled, seconds of open shutter.
+    /// The same for the exposure as scheduled.
     pub scheduled_cost_s: f64,
 }
 
+/// Returns the cost of the streaks of an exposure for each delay, in seconds of open shutter: the larger one of the costs
+/// with this delay and with one that is longer by the `margin_s` of the policy, because the shutter opens at an unknown time
+/// in between. `None` without a telescope, and if an exposure cannot be judged.
+///
+/// # Errors
+/// Passes cannot be computed.
+pub fn delayed_costs_s(
+    row: &ScheduledExposure,
+    delays_s: &[f64],
+    request: &FlagRequest<'_>,
+) -> Result<Vec<Option<f64>>, Error> {
+    let Ok(exposure) = &row.exposure else { return Ok(vec![None; delays_s.len()]) };
+    let delayed = |delay_s: f64| ScheduledExposure {
+        exposure: Ok(Exposure { start: seconds_after(exposure.start, delay_s), ..exposure.clone() }),
+        ..row.clone()
+    };
+    let margin_s = request.policy.margin_or_default_s();
+    let rows: Vec<_> = delays_s.iter().flat_map(|delay_s| [delayed(*delay_s), delayed(delay_s + margin_s)]).collect();
+    let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
+    let larger = |ends: &[Verdict]| Some(ends[0].streak_cost_s?.max(ends[1].streak_cost_s?));
+    Ok(flags.chunks_exact(2).map(larger).collect())
+}
+
 /// Returns the start at which cost plus delay is smallest, among the scheduled start and 60 later ones at equal
-/// intervals, and the verdict at the scheduled start. The start is `None` without a telescope, and if the exposure
-/// cannot be judged.
+/// intervals. `None` without a telescope, and if the exposure cannot be judged.
+///
+/// The shutter opens up to `margin_s` of the policy after a start, whose cost is the larger one of those of both openings.
 ///
 /// A delay that is longer than the cost at the scheduled start saves nothing, so that the starts extend over this cost,
 /// and at most over `longest_s`; a cost below 0.06 s is not reduced. If the cost at the scheduled start exceeds the
 /// `max_cost_s` of the policy, they extend over `longest_s`, and a start that does not exceed it is better than all that
-/// do. The `margin_s` and `blocking` of the policy are not applied.
+/// do. The `blocking` of the policy is not applied.
 ///
 /// # Errors
 /// Passes cannot be computed.
@@ -39,24 +64,16 @@ pub fn best_start(
     row: &ScheduledExposure,
     longest_s: f64,
     request: &FlagRequest<'_>,
-) -> Result<(Option<BestStart>, Option<Verdict>), Error> {
-    let verdict = judge_exposures(&[row], request)?.flags.pop();
-    let cost_s = verdict.as_ref().and_then(|verdict| verdict.streak_cost_s);
-    let (Some(scheduled_cost_s), Ok(exposure)) = (cost_s, &row.exposure) else { return Ok((None, verdict)) };
+) -> Result<Option<BestStart>, Error> {
+    let Some(scheduled_cost_s) = delayed_costs_s(row, &[0.0], request)?[0] else { return Ok(None) };
     let exceeds = |cost_s: f64| request.policy.max_cost_s.is_some_and(|most_s| cost_s > most_s);
     let span_s = if exceeds(scheduled_cost_s) { longest_s } else { scheduled_cost_s.min(longest_s) };
     let step_s = span_s / f64::from(COMPARED_STARTS);
     let mut best = BestStart { delay_s: 0.0, streak_cost_s: scheduled_cost_s, scheduled_cost_s };
     if step_s >= TICK_S {
         let delays_s: Vec<f64> = (1..=COMPARED_STARTS).map(|number| step_s * f64::from(number)).collect();
-        let delayed = |delay_s: &f64| ScheduledExposure {
-            exposure: Ok(Exposure { start: seconds_after(exposure.start, *delay_s), ..exposure.clone() }),
-            ..row.clone()
-        };
-        let rows: Vec<ScheduledExposure> = delays_s.iter().map(delayed).collect();
-        let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
-        for (delay_s, flag) in delays_s.into_iter().zip(flags) {
-            let Some(streak_cost_s) = flag.streak_cost_s else { continue };
+        for (&delay_s, streak_cost_s) in delays_s.iter().zip(delayed_costs_s(row, &delays_s, request)?) {
+            let Some(streak_cost_s) = streak_cost_s else { continue };
             let is_better = match (exceeds(streak_cost_s), exceeds(best.streak_cost_s)) {
                 (false, true) => true,
                 (true, false) => false,
@@ -67,5 +84,5 @@ pub fn best_start(
             }
         }
     }
-    Ok((Some(best), verdict))
+    Ok(Some(best))
 }

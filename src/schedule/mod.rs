@@ -61,8 +61,8 @@ pub use windows::{ClearWindow, TargetWindows, WindowReport, WindowRequest, Windo
 // code of other features.
 #[doc(hidden)]
 pub use self::{
-    annotate::{Annotation, annotate, check_extension},
-    best_start::COMPARED_STARTS,
+    annotate::{Annotation, annotate, check_extension, check_not_annotated},
+    best_start::{COMPARED_STARTS, delayed_costs_s},
     formats::ScheduleFormat,
     horizon::lowest_altitude_rad,
     nights::{Shard, evening_mjd},

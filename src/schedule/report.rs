@@ -15,7 +15,7 @@ use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::policy::{Blocking, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
-use super::starts::{LATE_SIGMAS, reason_for_unknown_starts};
+use super::starts::{LATE_SIGMAS, LONGEST_ALLOWANCE_S, reason_for_unknown_starts};
 use super::streak_costs::expected_of;
 use super::verdict::{Verdict, VerdictKind};
 use super::verdict_rules::{blocks, is_counted, judge_exposure};
@@ -508,5 +508,5 @@ fn confirm(
 
 /// Returns the allowance for an early or late satellite, seconds; 0 if the policy has no `min_probability`.
 pub(super) fn lateness_allowance_s(pass: &Pass, policy: &Policy) -> f64 {
-    policy.min_probability.map_or(0.0, |_| LATE_SIGMAS * pass.along_track_sigma_s)
+    policy.min_probability.map_or(0.0, |_| (LATE_SIGMAS * pass.along_track_sigma_s).min(LONGEST_ALLOWANCE_S))
 }

@@ -16,10 +16,11 @@ use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{
-    Direction, FIRST_YEAR, LAST_YEAR, check_time_of_day, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
-    seconds_after, seconds_between,
+    Direction, FIRST_YEAR, LAST_YEAR, check_time_of_day, epoch_from_jd, epoch_from_mjd, has_zone, is_covered,
+    parse_instant, seconds_after, seconds_between,
 };
 use crate::input::comments_warning;
+use crate::message::Quoted;
 use crate::output::{counted, format_utc};
 use crate::passes::Exposure;
 use crate::units::{DAYS, DEGREES, SECONDS, Unit};
@@ -325,16 +326,25 @@ fn start_scale(
             .allowing("the time scale in the name of the column")
             .in_file("schedule", path));
     }
+    let texts = || table.rows.iter().filter_map(|cells| cells.as_ref().as_ref().ok()?.get(start.index)?.text());
+    let stated = start.scale.or(of_header);
+    if let Some(stated) = stated.filter(|stated| start.form == StartForm::Iso && *stated != TimeScale::UTC)
+        && let Some(text) = texts().find(|text| has_zone(text))
+    {
+        let (column, text) = (&start.name, Quoted::new(&text));
+        return Err(Error::format(format!(
+            "column {column} is in {stated}, but its time '{text}' has a zone, as in UTC"
+        ))
+        .allowing(format!("times without Z or offset, or the column start_utc; {stated} and UTC differ by over 30 s"))
+        .in_file("schedule", path));
+    }
     // Times with a zone (Z or an offset) in every cell need no time scale.
     let zoned = || {
         start.form == StartForm::Iso
-            && table
-                .rows
-                .iter()
-                .filter_map(|cells| cells.as_ref().as_ref().ok()?.get(start.index)?.text())
+            && texts()
                 .all(|text| !parse_instant(&text, None).is_err_and(|error| error.kind() == ErrorKind::NoTimeScale))
     };
-    if let (Some(named), Some(given)) = (start.scale.or(of_header), options.time_scale)
+    if let (Some(named), Some(given)) = (stated, options.time_scale)
         && named != given
         && !zoned()
     {
@@ -346,9 +356,7 @@ fn start_scale(
             ))
             .in_file("schedule", path));
     }
-    start
-        .scale
-        .or(of_header)
+    stated
         .or(options.time_scale)
         .or(options.default_time_scale)
         .or_else(|| zoned().then_some(TimeScale::UTC))
@@ -418,12 +426,11 @@ fn exposure<'a>(
     options: &ScheduleOptions,
 ) -> Result<(Exposure, Option<f64>), String> {
     let number = |index: usize, scale: f64, name: &str, range: RangeInclusive<f64>| {
-        let value = scale * cell(index).number().map_err(|what| format!("{name} {what}"))?;
-        if range.contains(&value) {
-            Ok(value)
-        } else {
-            Err(format!("{name} is {value}; allowed: {} to {}", range.start(), range.end()))
-        }
+        let least = if *range.start() == f64::MIN_POSITIVE { "above 0".to_owned() } else { range.start().to_string() };
+        let allowed = format!("{least} to {}", range.end());
+        let in_words = |what| format!("{name} {what}; allowed: a decimal number such as 30.5, {allowed}");
+        let value = scale * cell(index).number().map_err(in_words)?;
+        if range.contains(&value) { Ok(value) } else { Err(format!("{name} is {value}; allowed: {allowed}")) }
     };
     let start = start_of(&cell(map.start.index).scaled(scales.start), &map.start, scale)?;
     if let Cell::Text(text) = cell(map.start.index)
@@ -431,10 +438,7 @@ fn exposure<'a>(
     {
         check_time_of_day(text).map_err(|error| format!("start {error}"))?;
     }
-    let mut duration_s = number(map.duration, scales.duration, "duration", f64::MIN..=f64::MAX)?;
-    if !(duration_s > 0.0 && duration_s <= LONGEST_EXPOSURE_S) {
-        return Err(format!("duration is {duration_s}; allowed: above 0 to {LONGEST_EXPOSURE_S}"));
-    }
+    let mut duration_s = number(map.duration, scales.duration, "duration", f64::MIN_POSITIVE..=LONGEST_EXPOSURE_S)?;
     let open_s = duration_s;
     // Between snaps the camera is read out, so that the last snap ends later than the sum of the exposures.
     let is_stated = |index: &usize| *cell(*index) != Cell::Missing;
@@ -469,14 +473,14 @@ fn exposure<'a>(
 }
 
 fn start_of(cell: &Cell, column: &StartColumn, scale: TimeScale) -> Result<Epoch, String> {
-    let number = || cell.number().map_err(|what| format!("start {what}"));
+    let number = |example| cell.number().map_err(|what| format!("start {what}; allowed: a date such as {example}"));
     let start = match column.form {
         StartForm::Iso => {
             let text = cell.text().ok_or("start is missing")?;
             parse_instant(&text, Some(scale)).map_err(|error| format!("start {error}"))?
         }
-        StartForm::Mjd => epoch_from_mjd(number()?, scale).map_err(|error| format!("start {error}"))?,
-        StartForm::Jd => epoch_from_jd(number()?, scale).map_err(|error| format!("start {error}"))?,
+        StartForm::Mjd => epoch_from_mjd(number("61156.25 (MJD)")?, scale).map_err(|error| format!("start {error}"))?,
+        StartForm::Jd => epoch_from_jd(number("2461156.75 (JD)")?, scale).map_err(|error| format!("start {error}"))?,
     };
     if is_covered(start) {
         Ok(start)
@@ -490,7 +494,7 @@ fn start_of(cell: &Cell, column: &StartColumn, scale: TimeScale) -> Result<Epoch
 mod tests {
     use super::*;
 
-    fn read(start_column: &str, starts: [&str; 2]) -> Schedule {
+    fn read(start_column: &str, starts: [&str; 2]) -> Result<Schedule, Error> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("night.csv");
         let [first, second] = starts;
@@ -498,12 +502,27 @@ mod tests {
             "exposure_id,{start_column},duration_s,ra_deg,dec_deg\na,{first},30,150,-30\nb,{second},30,150,-30\n"
         );
         std::fs::write(&path, text).unwrap();
-        Schedule::read(&path, &ScheduleOptions::default()).unwrap()
+        Schedule::read(&path, &ScheduleOptions::default())
+    }
+
+    #[test]
+    fn a_zone_in_a_column_of_another_scale_is_an_error() {
+        for (column, start, scale) in
+            [("start_tai", "2026-04-26T00:00:00Z", "TAI"), ("start_tt", "2026-04-26 02:00+02:00", "TT")]
+        {
+            let message = read(column, ["2026-04-26T00:01:00", start]).unwrap_err().to_string();
+            let expected = format!("column {column} is in {scale}, but its time '{start}' has a zone, as in UTC");
+            assert!(message.contains(&expected), "{message}");
+        }
+        // An offset in a column in UTC, and times without a zone in one in TAI, are no contradictions.
+        let [utc, tai] = [("start_utc", "2026-04-26T02:00+02:00"), ("start_tai", "2026-04-26T00:00:37")]
+            .map(|(column, start)| read(column, [start, start]).unwrap().exposures[0].exposure.clone().unwrap().start);
+        assert_eq!(utc.to_time_scale(TimeScale::TAI), tai);
     }
 
     #[test]
     fn a_date_without_a_time_is_no_start() {
-        let schedule = read("start_utc", ["2026-04-26", "2026-04-26T00:00"]);
+        let schedule = read("start_utc", ["2026-04-26", "2026-04-26T00:00"]).unwrap();
         let reason = schedule.exposures[0].exposure.clone().unwrap_err();
         assert!(reason.contains("'2026-04-26'") && reason.contains("a date with the time of day"), "{reason}");
         assert!(schedule.exposures[1].exposure.is_ok());
@@ -525,7 +544,7 @@ mod tests {
             ("start_mjd_utc", ["61155.99", "61155.96943"], None),
             ("start_utc", ["2026-04-26T00:00:00.5", "2026-04-26T00:01"], None),
         ] {
-            let warnings = read(column, starts).warnings_of_file;
+            let warnings = read(column, starts).unwrap().warnings_of_file;
             assert_eq!(warnings.len(), usize::from(expected.is_some()), "{warnings:?}");
             assert!(expected.is_none_or(|expected| warnings[0].contains(expected)), "{warnings:?}");
         }

@@ -9,6 +9,9 @@ use super::policy::Policy;
 /// Allowance for early and late satellites if the policy has a `min_probability`, in sigmas along the track. A
 /// satellite is late by more than this with a probability of 0.00135.
 pub(super) const LATE_SIGMAS: f64 = 3.0;
+/// Largest such allowance, seconds. At least half of the delays of a satellite of known position are at most 300 s
+/// (`Lateness::LONGEST_S`), and three sigmas of a Gaussian are then at most 1,334 s.
+pub(super) const LONGEST_ALLOWANCE_S: f64 = 1800.0;
 /// Typical angular rate of a satellite in low orbit, deg/s.
 const TYPICAL_RATE_DEG_S: f64 = 0.5;
 

@@ -154,7 +154,7 @@ impl TargetCells {
         let rotation_rad = match &self.rotation {
             Cell::Missing => rotation_rad,
             cell => {
-                let rotation_deg = cell.number().map_err(|what| format!("rotation {what}"))?;
+                let rotation_deg = cell.number().map_err(|what| format!("rotation {what}; allowed: -360 to 360"))?;
                 if !ROTATIONS_DEG.contains(&rotation_deg) {
                     return Err(format!("rotation is {rotation_deg}; allowed: -360 to 360"));
                 }

@@ -13,11 +13,8 @@ use super::flag_request::FlagRequest;
 use super::horizon::{margin_rad, sampling_interval_s, sun_of_limits};
 use super::report::{GUARD_S, TICK_S, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
-use super::starts::reason_for_unknown_starts;
+use super::starts::{LONGEST_ALLOWANCE_S, reason_for_unknown_starts};
 use super::verdict_rules::blocks;
-
-/// Time searched before and after the observable times and their margins for satellites that may be late or early, seconds.
-const LATE_S: f64 = 1800.0;
 
 /// Sky, policy and constraints for clear windows.
 pub struct WindowRequest<'a> {
@@ -141,12 +138,12 @@ fn windows_of(
             Ok(constraint.observable(&target.exposure))
         })
         .collect::<Result<_, Error>>()?;
-    let beyond_s = margin_s + if policy.min_probability.is_some() { LATE_S } else { 0.0 };
-    let ends_s = [-margin_s, span_s + margin_s];
+    // Satellites that may be late or early are also searched before and after the observable times and their margins.
+    let beyond_s = margin_s + if policy.min_probability.is_some() { LONGEST_ALLOWANCE_S } else { 0.0 };
     let searched_around = |interval: &Interval| {
         let around = [interval.start_s, interval.end_s].map(|time_s| seconds_after(from, time_s));
         let known = sky.viewpoint().known_part(around, beyond_s, beyond_s).unwrap_or(around);
-        let [start_s, end_s] = known.map(|epoch| seconds_between(from, epoch).clamp(ends_s[0], ends_s[1]));
+        let [start_s, end_s] = known.map(|epoch| seconds_between(from, epoch));
         Interval { start_s, end_s }
     };
     let (owners, exposures): (Vec<usize>, Vec<Exposure>) = targets

@@ -109,6 +109,10 @@ fn original_bytes_are_kept_and_a_second_annotation_replaces_the_first() {
         let (code, _, stderr) = again(&[]);
         assert_eq!(code, 2, "{name}: {stderr}");
         assert!(stderr.contains("already has") && stderr.contains("--replace"), "{name}: {stderr}");
+        // Except in JSON, this is found before the exposures are judged.
+        let loud = ["annotate", "--schedule", &output, "-o", &output, "--shells", "starlink-gen1", "--mpc", "X05"];
+        let (_, _, stderr) = run(&[&loud, FLAG, scale]);
+        assert_eq!(stderr.contains("exposures: "), name.ends_with(".json"), "{name}: {stderr}");
         let (code, _, stderr) = again(&["--replace"]);
         assert_eq!(code, 0, "{name}: {stderr}");
         let strip = |text: &str| text.replace(&output, "").replace(&sample(name), "");

@@ -119,6 +119,19 @@ fn verif_a_night_has_the_numbers_of_flag() {
     is_the_same_again(&folder, "night", &[&["night", "--from", &flags_file, "--mpc", "X05"], arguments]);
     assert!(again.iter().any(|text| text.starts_with("4 exposures, ")), "{again:?}");
 
+    // Flags of another plan with the same identifiers are rejected, also if only a pointing is another one.
+    for (column, other) in
+        [("start", SCHEDULE.replace("T23:30:00Z", "T23:30:01Z")), ("declination", SCHEDULE.replace("-30,r", "-31,r"))]
+    {
+        let other_file = path(&folder, "other.csv");
+        fs::write(&other_file, other).unwrap();
+        let plot: &[&str] =
+            &["night", "--from", &flags_file, "--schedule", &other_file, "--mpc", "X05", "-o", &path(&folder, "x.png")];
+        let id = if column == "start" { "c" } else { "d" };
+        let what = format!("the {column} of exposure {id} in the flags differs by 1.000 ");
+        fails(&[plot], &[&what, "allowed: the schedule of the flags"]);
+    }
+
     // No satellite is brighter than the limit.
     let (code, _, stderr) =
         run(&[&["plot", "night", "--night", "2026-08-20"], arguments, SKY, FIELD, &["-o", &path(&folder, "x.png")]]);

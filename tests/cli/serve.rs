@@ -570,6 +570,11 @@ fn satchecker_shapes_carry_magnitudes() {
         assert_eq!(streak["magnitude_peak"], pass["magnitude_peak"]);
     }
     assert_eq!(grouped["data"]["total_satellites"], json!(passes.len()));
+    // A field below the horizon has no satellites because none is visible, which a warning states.
+    let warnings = |query: &str| server.json(&format!("/fov/satellite-passes/?{query}"))["warnings"].to_string();
+    let below = query.replace("dec=7.7", "dec=88");
+    assert!(warnings(&below).contains("the field is below the horizon"), "{}", warnings(&below));
+    assert!(!warnings(&query).contains("horizon"), "{}", warnings(&query));
     let by_time =
         server.json(&format!("/fov/satellite-passes?{query}&illuminated_only=true&include_orbital_data=true"));
     let listed = by_time["data"].as_array().unwrap();

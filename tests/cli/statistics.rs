@@ -95,3 +95,23 @@ fn a_schedule_of_other_nights_gives_a_note() {
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(answer["reproduced"].as_array().unwrap().len(), 3);
 }
+
+/// Warnings of all nights are printed, the first and the last of those that differ only in numbers, and the number of the
+/// others.
+#[test]
+fn every_night_has_its_warnings() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../tests/data/elements/sample.2le");
+    let base: &[&str] = &["statistics", "--elements", file, "--mpc", "X05", "--moments", "1", "--sun-altitude-deg=-18"];
+    let of_nights = |nights: &[&str]| run(&[base, &["--night"], nights]).2;
+    let days = |stderr: &str| stderr.matches("more than 14 days from the exposures").count();
+    assert_eq!(of_nights(&["2026-03-20"]), "");
+    // A limit for another band than that of the magnitudes, V, gives no counts.
+    let stderr = run(&[base, &["--night", "2026-03-20", "--limit-mag", "g=7"]]).2;
+    assert_eq!(stderr, "warning: limit_mag of the policy has no value for band V and no default\n");
+    // Elements that are recent in the first night are old in the others.
+    let stderr = of_nights(&["2026-03-20", "2026-04-20"]);
+    assert_eq!((days(&stderr), stderr.lines().count()), (1, 1), "{stderr}");
+    let stderr = of_nights(&["2026-03-20", "2026-04-20", "2026-04-21", "2026-04-22", "2026-04-23"]);
+    assert_eq!((days(&stderr), stderr.lines().count()), (2, 3), "{stderr}");
+    assert!(stderr.contains("not printed: 2 warnings of other nights"), "{stderr}");
+}

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::cli::{SKY, done, json, path, records, run};
+use crate::common::cli::{SKY, done, json, path, published_constellation, records, run};
 use crate::common::random::Random;
 use hifitime::Epoch;
 use serde_json::Value;
@@ -308,6 +308,42 @@ fn formats_of_schedulers() {
     assert!(spans[1..].iter().all(|(first, _)| firsts.iter().any(|one| seconds_between(*first, *one).abs() < 5e-3)));
 }
 
+/// Satellites that pass before or after the range, and may be late or early, block starts like those of a longer range.
+#[test]
+fn satellites_beyond_the_ends_of_the_range_may_be_late() {
+    let folder = tempfile::tempdir().unwrap();
+    let policy = path(&folder, "p.toml");
+    fs::write(&policy, "min_probability = 0.01").unwrap();
+    let elements = published_constellation(&folder, "2024-08-04T00:00:00 UTC");
+    let windows = |start: Epoch, end: Epoch| -> Vec<(Epoch, Epoch)> {
+        let [start, end] = [start, end].map(|epoch| streakcast::output::format_utc(epoch, 3));
+        let range = ["windows", "--ra", "217.5", "--dec=-30", "--exposure", "60s", "--start", &start, "--end", &end];
+        let more = [&elements[0], &elements[1], "--mpc", "X05", "--fov", "0.5deg", "--policy", &policy, "--quiet"];
+        let found = json(&[&range, &more]);
+        let time = |row: &Value, name: &str| utc(row[name].as_str().unwrap());
+        let rows = found["windows"].as_array().unwrap().iter();
+        rows.map(|row| (time(row, "first_start_utc"), time(row, "last_start_utc"))).collect()
+    };
+    let (from, to) = (utc("2024-08-14T22:50:00Z"), utc("2024-08-15T00:50:00Z"));
+    let long = windows(from, to);
+    assert!(long.len() > 2, "{long:?}");
+    let mut cut = 0;
+    for pair in long.windows(2) {
+        // The range ends 1 s after a window, and another one begins 1 s before the next window: the satellite in between is
+        // predicted outside both.
+        let ends = [seconds_after(pair[0].1, 60.0 + 1.0), seconds_after(pair[1].0, -1.0)];
+        for (first, last) in windows(from, ends[0]).into_iter().chain(windows(ends[1], to)) {
+            // Windows of parts of the range are inside those of the whole range.
+            let is_inside = |whole: &(Epoch, Epoch)| {
+                seconds_between(whole.0, first) > -0.2 && seconds_between(last, whole.1) > -0.2
+            };
+            assert!(long.iter().any(is_inside), "{first} {last} {long:?}");
+            cut += 1;
+        }
+    }
+    assert!(cut > 2, "{long:?}");
+}
+
 #[test]
 fn invalid_arguments_are_reported() {
     let folder = tempfile::tempdir().unwrap();
@@ -331,7 +367,7 @@ fn invalid_arguments_are_reported() {
         (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude is 95 deg; allowed: -90 to 90"),
         (
             &[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]],
-            "the policy has max_cost_s, which windows does not support",
+            "the policy has max_cost_s, but windows are computed from the times of passes, without the cost of each start; allowed: limit_mag",
         ),
         (&[&["windows", "--targets", &schedule, "--fov", "6deg"], SKY, RANGE], &without_ra),
         (&[&["windows", "--targets", &empty, "--fov", "6deg"], SKY, RANGE], &without_rows),

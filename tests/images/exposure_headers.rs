@@ -76,6 +76,14 @@ fn verif_missing_and_contradictory_keywords() {
         ("DATE-OBS= 'soon'\nEXPTIME = 60", "DATE-OBS is \"soon\"; allowed: a date such as"),
         ("DATE-OBS= '2020-03-06'\nTIME-OBS= 'noon'\nEXPTIME = 60", "TIME-OBS is \"noon\"; allowed: a time such as"),
         ("MJD-OBS = 1.0\nEXPTIME = 60", "MJD-OBS is \"1.0\"; allowed: a modified Julian date"),
+        (
+            "DATE-OBS= '2020-03-06T00:00:00Z'\nTIMESYS = 'TAI'\nEXPTIME = 60",
+            "has a zone as in UTC, and its scale is TAI",
+        ),
+        (
+            "DATE-OBS= '2020-03-06T02:00:00+02:00'\nTIMESYS = 'TT'\nEXPTIME = 60",
+            "has a zone as in UTC, and its scale is TT",
+        ),
         ("DATE-OBS= '2020-03-06T00:00:00'\nTIMESYS = 'LST'\nEXPTIME = 60", "TIMESYS is \"LST\"; allowed: UTC, TAI"),
         (
             "DATE-OBS= '2020-03-06T00:00:00'\nMJD-OBS = 58914.0010\nEXPTIME = 60",

@@ -327,6 +327,39 @@ fn no_satellite_of_a_concatenated_file_is_lost() {
     assert_eq!((catalogue.element_sets.len(), lines), (1, vec![of_xml + 2, of_xml + 5]));
 }
 
+/// Ephemerides before, after and between element sets and other ephemerides of one file are read.
+#[test]
+fn no_ephemeris_of_a_concatenated_file_is_lost() {
+    let of = |folder: &str, name: &str| {
+        std::fs::read_to_string(format!("{}/tests/data/{folder}/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+    };
+    let oems = ["invented.oem", "invented_itrf.xml"].map(|name| of("ephemerides", name));
+    let segments = oems.each_ref().map(|text| read(text.as_bytes()).unwrap().ephemerides.len());
+    // The element set is of another satellite than the ephemerides.
+    let tle = format!("SECOND\n{}", pair(90002, "079.52426840"));
+    let sets = ["sample.csv", "sample.json", "sample.xml", "sample.kvn"].map(|name| of("elements", name));
+    for (oem, expected) in oems.iter().zip(segments) {
+        let many_lines = tle.repeat(30);
+        for set in sets.iter().map(|text| text.replace("90001", "90002")).chain([tle.clone(), many_lines]) {
+            for text in [format!("{set}\n{oem}"), format!("{oem}\n{set}"), format!("{oem}\n{set}\n{}", oems[0])] {
+                let catalogue = read(text.as_bytes()).unwrap();
+                let more = if text.len() > oem.len() + set.len() + 1 { segments[0] } else { 0 };
+                assert_eq!(
+                    (catalogue.element_sets.len(), catalogue.ephemerides.len(), reasons(&catalogue)),
+                    (1, expected + more, vec![]),
+                    "{}",
+                    &text[..40]
+                );
+            }
+        }
+    }
+    // The line of an error is that of the whole file.
+    let wrong = oems[0].replacen("META_STOP", "META_STOPPED", 1);
+    let at = wrong.split("META_STOPPED").next().unwrap().matches('\n').count() + 1;
+    let error = read(format!("{tle}{wrong}").as_bytes()).unwrap_err().to_string();
+    assert!(error.contains(&format!(":{}:", at + 3)), "{error}");
+}
+
 /// The answer of a server without records, and records whose period or size contradicts the mean motion.
 #[test]
 fn errors_of_servers_and_contradictory_messages_are_named() {

@@ -10,7 +10,7 @@ use streakcast::message::Quoted;
 use streakcast::output::{AtomicFile, Provenance, Table, Value, counted};
 use streakcast::schedule::{
     Annotation, Schedule, ScheduledExposure, StreakColumns, Verdict, VerdictKind, annotate, check_extension,
-    flag_exposures, flag_table, streak_table,
+    check_not_annotated, flag_exposures, flag_table, streak_table,
 };
 
 use super::engine::{Engine, WithWarnings};
@@ -32,6 +32,9 @@ impl Engine {
         options.time_scale = scale.map(parse_time_scale).transpose().map_err(failure::request)?;
         let schedule = Schedule::read(path, &options).map_err(failure::request)?;
         check_extension(path, schedule.format, output).map_err(failure::request)?;
+        if !replace {
+            check_not_annotated(path, schedule.format).map_err(failure::request)?;
+        }
         AtomicFile::check(output).map_err(|error| failure::request(format!("{}: {error}", output.display())))?;
         let columns = StreakColumns { p_brighter: self.policy.has_limit(), ..StreakColumns::default() };
         let mut by_row: BTreeMap<usize, Vec<Vec<Value>>> = BTreeMap::new();

@@ -30,6 +30,11 @@ pub fn request(error: impl std::fmt::Display) -> PyErr {
     StreakcastError::new_err(message_of(error))
 }
 
+/// Returns the exception for arguments of a request that have another type or name.
+pub fn json(error: serde_json::Error) -> PyErr {
+    request(streakcast::input::json_value_error(&error))
+}
+
 /// Returns the exception for invalid arguments of a model. Flags of the command line in the message become arguments.
 pub fn setup(error: impl std::fmt::Display) -> PyErr {
     SetupError::new_err(message_of(error))

@@ -23,7 +23,7 @@ pub fn inject<'py>(
     sky_cache: Option<Py<SkyCache>>,
     output: PathBuf,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let injection: InjectionConfig = serde_json::from_str(request).map_err(failure::request)?;
+    let injection: InjectionConfig = serde_json::from_str(request).map_err(failure::json)?;
     let setup: Config = setup_of(setup, config)?;
     let injections = failure::without_lock(py, |watch| {
         let sky = sky_cache.as_ref().map(|sky_cache| move |moment: Epoch| sky_cache.get().prepared(moment));

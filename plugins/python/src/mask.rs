@@ -20,7 +20,7 @@ pub fn mask<'py>(
     config: Option<&str>,
     sky_cache: Py<SkyCache>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let request: MaskConfig = serde_json::from_str(request).map_err(failure::request)?;
+    let request: MaskConfig = serde_json::from_str(request).map_err(failure::json)?;
     let setup: Config = setup_of(setup, config)?;
     let done = failure::without_lock(py, |watch| {
         let sky = |moment: Epoch| sky_cache.get().prepared(moment);

@@ -20,7 +20,7 @@ pub fn measure<'py>(
     config: Option<&str>,
     sky_cache: Option<Py<SkyCache>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let measure: MeasureConfig = serde_json::from_str(request).map_err(failure::request)?;
+    let measure: MeasureConfig = serde_json::from_str(request).map_err(failure::json)?;
     let setup: Config = setup_of(setup, config)?;
     let done = failure::without_lock(py, |watch| {
         let sky = sky_cache.as_ref().map(|sky_cache| move |moment: Epoch| sky_cache.get().prepared(moment));

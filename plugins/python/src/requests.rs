@@ -29,7 +29,7 @@ const NIGHT: Column =
 #[pyfunction]
 pub fn forecast<'py>(py: Python<'py>, requests: Vec<String>, engine: Py<Engine>) -> PyResult<Bound<'py, PyDict>> {
     let configs: Vec<ForecastConfig> =
-        requests.iter().map(|text| serde_json::from_str(text).map_err(failure::request)).collect::<PyResult<_>>()?;
+        requests.iter().map(|text| serde_json::from_str(text).map_err(failure::json)).collect::<PyResult<_>>()?;
     let engine = engine.get();
     let Nights { passes, nights, warnings } = failure::without_lock(py, |watch| {
         // All requests are checked before the first night is computed.
@@ -102,7 +102,7 @@ pub fn ephemeris<'py>(
     request: &str,
     engine: Py<Engine>,
 ) -> PyResult<(Bound<'py, PyList>, Vec<String>)> {
-    let given: EphemerisConfig = serde_json::from_str(request).map_err(failure::request)?;
+    let given: EphemerisConfig = serde_json::from_str(request).map_err(failure::json)?;
     let engine = engine.get();
     let (table, warnings) = failure::without_lock(py, |watch| {
         let request = given.resolve(&engine.setup).map_err(exception)?;
@@ -129,7 +129,7 @@ pub fn identify<'py>(
     include_dark: Option<bool>,
     top: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::request)?;
+    let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::json)?;
     let engine = engine.get();
     let (tables, found, warnings) = failure::without_lock(py, |watch| {
         let plan = identify.resolve(&engine.setup).map_err(exception)?;

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use streakcast::Watch;
 use streakcast::config::{Config, LoadedInputs, PreparedSky};
 use streakcast::frames::{mjd_utc, seconds_after};
-use streakcast::message::bounded;
+use streakcast::input::json_value_error;
 use streakcast::output::{Section, write_json};
 
 use crate::exposures::start_of;
@@ -185,12 +185,7 @@ pub fn replaced_keys(changed: Vec<String>) -> Vec<&'static str> {
 
 /// Parses a configuration document (JSON), with defaults from a configuration file if one is given.
 pub fn setup_of(json: &str, config: Option<&str>) -> PyResult<Config> {
-    let mut given: Config = serde_json::from_str(json).map_err(|error| {
-        let text = error.to_string();
-        // The position in the generated JSON text is omitted.
-        let end = text.find(" at line ").unwrap_or(text.len());
-        failure::SetupError::new_err(bounded(&text[..end]).into_owned())
-    })?;
+    let mut given: Config = serde_json::from_str(json).map_err(|error| failure::setup(json_value_error(&error)))?;
     match config {
         Some(path) => {
             given.run.file = Some(path.into());

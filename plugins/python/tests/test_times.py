@@ -50,6 +50,13 @@ def test_sequences_of_times(model):
         np.testing.assert_array_equal(answer.n_streaks, expected.n_streaks)
         np.testing.assert_allclose(answer.streak_length_deg, expected.streak_length_deg, atol=1e-6)
     assert model.assess(TARGET, [list(times)], 30.0).n_streaks.shape == (1, 2)
+    # Whole days as integers of any kind, also in columns of objects as pandas has them.
+    days = np.array([61266.0, 61267.0])
+    expected = model.assess(TARGET, days, 30.0, scale="utc")
+    for given in (days.astype(np.int64), days.astype(np.uint16), days.astype(int).astype(object), days.astype(object)):
+        answer = model.assess(TARGET, given, 30.0, scale="utc")
+        np.testing.assert_array_equal(answer.verdict, expected.verdict)
+        np.testing.assert_array_equal(answer.elements_age_days, expected.elements_age_days)
     with pytest.raises(TypeError, match=r"start\[1\] is a bare number without a time scale"):
         model.assess(TARGET, [times[0], 61266.9785], 30.0)
     # Cells of a row of a table.

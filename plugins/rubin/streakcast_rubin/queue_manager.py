@@ -103,6 +103,8 @@ class StreakQueueManager(BaseQueueManager):
         self._choosing = False
         # Exchange of this request, which counts if no detailer drops its visit, with texts about the first visit.
         self._pending: Union[tuple[Exchange, str, str], None] = None
+        # Visit that this request has chosen, and its time, for other copies.
+        self._chosen: Union[tuple[Any, float], None] = None
 
     @property
     def counts(self) -> Counter[str]:
@@ -122,7 +124,7 @@ class StreakQueueManager(BaseQueueManager):
 
     def request_observation(self, conditions: Any, whole_queue: bool = False, n_return: int = 1) -> Any:
         """Returns the chosen visit; with `whole_queue` all valid visits in queue order, after the chosen one."""
-        self._choosing, self._pending = True, None
+        self._choosing, self._pending, self._chosen = True, None, None
         try:
             result = super().request_observation(conditions, whole_queue=whole_queue, n_return=n_return)
         finally:
@@ -130,8 +132,12 @@ class StreakQueueManager(BaseQueueManager):
         if np.size(result) == 0:
             # If a detailer has dropped the chosen visit, the default visit is returned.
             result = super().request_observation(conditions, whole_queue=whole_queue, n_return=n_return)
-        elif self._pending is not None and self._pending[0].target_id == np.ravel(result["target_id"])[0]:
-            self._account(*self._pending)
+        elif self._chosen is not None and self._chosen[0]["target_id"] == np.ravel(result["target_id"])[0]:
+            # Only a visit that no detailer has dropped is taken for other copies.
+            visit, now = self._chosen
+            self._dispatched.add(visit, self._owner, now)
+            if self._pending is not None:
+                self._account(*self._pending)
         return result
 
     def find_valid_observations_indx(self, conditions: Any, mjd: Union[float, None] = None) -> Any:
@@ -184,7 +190,7 @@ class StreakQueueManager(BaseQueueManager):
             self.hook.note("not_judged", f"the cost of visit {first['target_id'][0]} is unknown; it is dispatched in the order of the queue")
             return None
         chosen = int(free[0]) if cost_s <= LEAST_COST_S else self._compared(model, conditions, queue, free, now, cost_s)
-        self._dispatched.add(queue[chosen], self._owner, now)
+        self._chosen = queue[chosen].copy(), now
         return chosen
 
     def _compared(self, model: StreakModel, conditions: Any, queue: Any, free: IntArray, now: float, first_s: float) -> int:

@@ -7,6 +7,7 @@ import pytest
 from conftest import ids, manager_of
 from streakcast_rubin._candidates import OPEN_SHARE, candidates, choose, detours_s
 from streakcast_rubin._costs import costs_of, with_costs
+from streakcast_rubin._dispatched import Owner
 from streakcast_rubin._mount import Mount, Openings
 
 
@@ -44,6 +45,8 @@ def test_an_exchange_counts_if_its_visit_is_dispatched(ready, model, take_over, 
     whole = ids(manager.request_observation(scheduler.conditions, whole_queue=True))
     assert queue[2] not in whole and len(whole) == len(queue) - 1
     assert manager.counts["exchanged"] == 0 and not manager.exchanges["mjd"].size
+    # It remains available to copies of the manager.
+    assert not manager._dispatched.with_others(Owner(), manager.mount.now(scheduler.conditions))
 
 
 def test_if_all_visits_are_crossed_the_least_cost_is_dispatched(ready, model, take_over, costly):

@@ -1,5 +1,6 @@
 //! Messages on standard error: warnings, summaries, progress.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;
 use std::time::Duration;
@@ -9,12 +10,45 @@ use indicatif::{ProgressBar, ProgressStyle};
 use streakcast::config::{Config, PreparedSky};
 use streakcast::message::{bounded, printable};
 use streakcast::orbit::LeftOut;
+use streakcast::output::counted;
 
 /// Smallest number of exposures for which a progress bar is shown.
 const LONG_WORK: usize = 2000;
 
 /// Number of warnings of one kind that are printed.
 const MOST_WARNINGS: usize = 3;
+
+/// Warnings of several nights. Of those that differ only in numbers, the first and the last one are printed.
+#[derive(Default)]
+pub struct WarningsOfNights {
+    texts: BTreeSet<String>,
+    /// Last warning of each kind; `None` if there is only the first one.
+    last: BTreeMap<String, Option<String>>,
+}
+
+impl WarningsOfNights {
+    /// Adds a warning, and returns true if it is the first of its kind, which the caller prints.
+    pub fn is_first(&mut self, warning: &str) -> bool {
+        let kind = warning.replace(|c: char| c.is_ascii_digit() || c == '.' || c == ',', "");
+        let is_first = !self.last.contains_key(&kind);
+        if self.texts.insert(warning.to_owned()) {
+            self.last.insert(kind, Some(warning.to_owned()).filter(|_| !is_first));
+        }
+        is_first
+    }
+
+    /// Prints the last warning of each kind, and the number of those between the first and the last ones.
+    pub fn print_last(self, notices: &Notices) {
+        let kinds = self.last.len();
+        let last: Vec<String> = self.last.into_values().flatten().collect();
+        notices.warn(&last);
+        let omitted = self.texts.len() - kinds - last.len();
+        if omitted > 0 {
+            let omitted = counted(omitted, "warning", "warnings");
+            notices.warn(&[format!("not printed: {omitted} of other nights, which differ in numbers")]);
+        }
+    }
+}
 
 /// Writer of messages to standard error.
 #[derive(Copy, Clone)]

@@ -15,5 +15,8 @@ mod oem_xml;
 pub(super) use builder::Problem;
 pub use data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
 pub(super) use modified_itc::{looks_like as looks_like_modified_itc, parse as parse_modified_itc};
-pub(super) use oem_kvn::{looks_like as looks_like_oem_kvn, parse as parse_oem_kvn};
+pub(super) use oem_kvn::{
+    OPENING as OEM_KVN_OPENING, closes as closes_oem_kvn, looks_like as looks_like_oem_kvn, opens as opens_oem_kvn,
+    parse as parse_oem_kvn,
+};
 pub(super) use oem_xml::{looks_like as looks_like_oem_xml, parse as parse_oem_xml};

@@ -8,13 +8,22 @@ use super::metadata::{Metadata, time};
 use hifitime::Epoch;
 
 /// The keyword at the start of a message.
-const OPENING: &str = "CCSDS_OEM_VERS";
+pub(in super::super) const OPENING: &str = "CCSDS_OEM_VERS";
 
 /// Returns true if one of the first lines starts an OEM.
 pub(in super::super) fn looks_like(text: &str) -> bool {
-    let opens =
-        |line: &str| line.trim_start().strip_prefix(OPENING).is_some_and(|rest| rest.trim_start().starts_with('='));
     text.lines().take(40).any(opens)
+}
+
+/// Returns true for the first line of a message.
+pub(in super::super) fn opens(line: &str) -> bool {
+    line.trim_start().strip_prefix(OPENING).is_some_and(|rest| rest.trim_start().starts_with('='))
+}
+
+/// Returns true for the last line of a message: a state or the end of the covariances.
+pub(in super::super) fn closes(line: &str) -> bool {
+    line == "COVARIANCE_STOP"
+        || line.starts_with(|first: char| first.is_ascii_digit()) && line.split_whitespace().count() >= 7
 }
 
 /// Segment whose data are being read.

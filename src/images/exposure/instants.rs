@@ -4,7 +4,7 @@ use hifitime::{Epoch, TimeScale};
 
 use crate::constants::DAY_S;
 use crate::error::Error;
-use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
+use crate::frames::{epoch_from_jd, epoch_from_mjd, has_zone, seconds_after, seconds_between};
 
 use super::super::card::CardValue;
 use super::comment::{AFTER_EXPOSURE, Comment, Role};
@@ -236,7 +236,12 @@ impl Reader<'_> {
     /// Reads a keyword of [`DATES`], with a time of day in another keyword if it has none.
     fn date(&mut self, keyword: &str) -> Result<(), Error> {
         let Some((from, value, comment)) = self.keywords.text_and_comment(keyword) else { return Ok(()) };
-        match parse_date(&value, self.scale_of(&comment)) {
+        let scale = self.scale_of(&comment);
+        match parse_date(&value, scale) {
+            DateText::Moment(_) if scale != TimeScale::UTC && has_zone(&value) => {
+                let given = format!("{value:?}, which has a zone as in UTC, and its scale is {scale}");
+                return Err(Error::invalid(from, given, "a time without Z or offset, TIMESYS = 'UTC', or --start"));
+            }
             DateText::Moment(epoch) => self.add(instant(epoch, from, Role::Start), &value, &[comment]),
             DateText::Day(day) => {
                 if !self.time_of(day, &from, &value, &comment)? && self.instants.day_alone.is_none() {

@@ -9,4 +9,4 @@ mod votable;
 mod write;
 
 pub use annotation::Annotation;
-pub use write::{annotate, check_extension};
+pub use write::{annotate, check_extension, check_not_annotated};

@@ -24,12 +24,10 @@ const PAGES_PER_STEP: i32 = 16_384;
 pub(super) fn annotate(input: &Path, output: &Path, annotation: &Annotation<'_>) -> Result<Vec<PathBuf>, Error> {
     let source = open_read_only(input)?;
     let of_input = |source| error::sqlite(input, source);
-    let earlier = earlier_tables(&source).map_err(of_input)?;
-    if !annotation.replace && !earlier.is_empty() {
-        let names: Vec<&str> = earlier.iter().map(|(_, name)| name.as_str()).collect();
-        let what = format!("tables {}", names.join(", "));
-        return Err(error::already_there(input, &what));
+    if !annotation.replace {
+        check_not_annotated(input)?;
     }
+    let earlier = earlier_tables(&source).map_err(of_input)?;
     let rows: i64 = source.query_row("SELECT count(*) FROM observations", [], |row| row.get(0)).map_err(of_input)?;
     annotation.check_rows(input, usize::try_from(rows).unwrap_or(0))?;
     let write_error = |source| Error::cannot("write", output, source);
@@ -44,6 +42,16 @@ pub(super) fn annotate(input: &Path, output: &Path, annotation: &Annotation<'_>)
     drop(source);
     file.finish().map_err(write_error)?;
     Ok(vec![output.to_owned()])
+}
+
+/// Checks that a database has no earlier annotation.
+pub(super) fn check_not_annotated(input: &Path) -> Result<(), Error> {
+    let earlier = earlier_tables(&open_read_only(input)?).map_err(|source| error::sqlite(input, source))?;
+    if earlier.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<&str> = earlier.iter().map(|(_, name)| name.as_str()).collect();
+    Err(error::already_there(input, &format!("tables {}", names.join(", "))))
 }
 
 /// Returns type and name of the tables and views of an earlier annotation.

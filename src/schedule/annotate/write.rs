@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::formats::{ScheduleFormat, display};
+use super::super::formats::{ScheduleFormat, display, read_raw};
+use super::super::tables::flag_table;
 use super::annotation::{Annotation, streaks_path};
 use super::{delimited, json, votable};
 use crate::error::Error;
+use crate::output::{Provenance, Table};
 
 /// Writes a copy of the schedule at `input`, with verdicts and streaks, to `output`. Returns the files written.
 ///
@@ -74,4 +76,26 @@ pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> R
         return Err(Error::about_file("the streaks of", output, predicate).allowing("an output of another name"));
     }
     Ok(())
+}
+
+/// Checks that a schedule has no earlier annotation, before a computation that may be long. JSON is checked only by
+/// [`annotate`].
+///
+/// # Errors
+/// An earlier annotation exists, or the file cannot be read.
+pub fn check_not_annotated(input: &Path, format: ScheduleFormat) -> Result<(), Error> {
+    match format {
+        #[cfg(feature = "sqlite")]
+        ScheduleFormat::Opsim => super::opsim::check_not_annotated(input),
+        ScheduleFormat::Csv | ScheduleFormat::Ecsv | ScheduleFormat::VoTable => {
+            let names = read_raw(input)?.names;
+            let flags = flag_table(&[]);
+            let (streaks, provenance) = (Table::default(), Provenance::default());
+            let annotation =
+                Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
+            let flags = annotation.flags_for(names.iter().map(String::as_str));
+            annotation.earlier_columns(input, &names, &flags).map(drop)
+        }
+        _ => Ok(()),
+    }
 }

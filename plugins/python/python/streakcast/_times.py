@@ -69,6 +69,8 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
         if any(is_time(item) for item in array.flat):
             parts = [to_tai(item, scale, f"{what}[{index}]") for index, item in enumerate(array.flat)]
             return np.reshape([jd1 for jd1, _ in parts], array.shape), np.reshape([jd2 for _, jd2 in parts], array.shape)
+        if all(isinstance(item, (int, float, np.integer)) and not isinstance(item, bool) for item in array.flat):
+            return to_tai(array.astype(np.float64), scale, what)
         texts = np.array([_text(item, what) for item in array.ravel()]).reshape(array.shape)
         return _from_text(texts, scale, what)
     raise TypeError(f"{what} is {type(value).__name__}, not a time; {_ALLOWED}")

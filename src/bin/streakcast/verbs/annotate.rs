@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use streakcast::config::{Config, FIELD, RequiredInput, RulesConfig, SATELLITES, SITE};
 use streakcast::schedule::Shard;
-use streakcast::schedule::{Annotation, annotate, flag_table};
+use streakcast::schedule::{Annotation, annotate, check_not_annotated, flag_table};
 
 use super::flag::SCHEDULE;
 use super::schedule_verdicts::PreparedSchedule;
@@ -47,9 +47,12 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let answers = [(&SCHEDULE, typed.schedule.is_some()), (&OUTPUT, typed.output.is_some())];
     AnnotateArguments::HELP.check(&config, &answers)?;
     let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
-    // The output is checked before the computation, which may be long.
+    // Files are checked before the computation, which may be long.
     check_whole(&output)?;
     let prepared = PreparedSchedule::read(&config, &schedule, typed.shard, Some(&output))?;
+    if !typed.replace {
+        check_not_annotated(&schedule, prepared.schedule.format)?;
+    }
     let (flags, streaks) = prepared.judge_with_streaks()?;
     let annotation = Annotation {
         flags: &flag_table(&flags),

@@ -88,6 +88,7 @@ pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &C
     let notices = begin(config)?;
     let mut prepared = config.prepare(start, end)?;
     notices.warn(&prepared.warnings);
+    notices.warn(&config.limit_warnings()?);
     let request = TrailRequest {
         start,
         end,

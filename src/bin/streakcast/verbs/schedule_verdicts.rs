@@ -1,6 +1,6 @@
 //! Computes the verdicts of a schedule, for `flag`, `annotate`, `serve` and plots.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use streakcast::schedule::{
     evening_mjd, flag_exposures, streak_table,
 };
 
-use crate::notices::Notices;
+use crate::notices::{Notices, WarningsOfNights};
 use crate::start::begin;
 
 /// Number of rows judged between two updates of the progress bar. Rows of one night in a chunk share computations.
@@ -204,32 +204,18 @@ impl PreparedSchedule {
     fn judge_parts(&self, see: See<'_>, take: Take<'_>) -> anyhow::Result<FlagTotals> {
         let Self { schedule, plan, notices, .. } = self;
         let mut judge = RowJudge::new(schedule, plan, notices);
-        // Of the warnings of several nights that differ only in numbers, the first and the last one are printed.
-        let (mut texts, mut last) = (BTreeSet::new(), BTreeMap::<String, Option<String>>::new());
-        let mut is_first = |warning: &String| {
-            let kind = warning.replace(|c: char| c.is_ascii_digit() || c == '.' || c == ',', "");
-            let is_first = !last.contains_key(&kind);
-            if texts.insert(warning.clone()) {
-                last.insert(kind, Some(warning.clone()).filter(|_| !is_first));
-            }
-            is_first
-        };
+        let mut of_nights = WarningsOfNights::default();
         let mut without_position = Vec::new();
         for (number, part) in self.parts.iter().enumerate() {
             let later = self.inputs.as_ref().filter(|_| number > 0);
             let later = later.map(|inputs| inputs.prepare(part.span.0, part.span.1)).transpose()?;
             let Some(prepared) = later.as_ref().or(self.first_sky.as_ref()) else { continue };
-            notices.warn(prepared.warnings.iter().filter(|warning| is_first(warning)));
-            without_position.extend(judge.judge(prepared, part, see, take)?.filter(|warning| is_first(warning)));
+            notices.warn(prepared.warnings.iter().filter(|warning| of_nights.is_first(warning)));
+            without_position
+                .extend(judge.judge(prepared, part, see, take)?.filter(|warning| of_nights.is_first(warning)));
         }
         let totals = judge.finish();
-        let kinds = last.len();
-        let last: Vec<String> = last.into_values().flatten().collect();
-        notices.warn(&last);
-        let omitted = texts.len() - kinds - last.len();
-        if omitted > 0 {
-            notices.warn(&[format!("{omitted} warnings of other nights, which differ in numbers, are not printed")]);
-        }
+        of_nights.print_last(notices);
         notices.list_left_out(without_position, totals.left_out());
         notices.warn(&totals.warnings());
         Ok(totals)

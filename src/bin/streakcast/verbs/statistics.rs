@@ -1,8 +1,6 @@
 //! `statistics`: counts sunlit satellites over a site, their magnitudes, and trails per exposure; for a telescope in
 //! orbit, trails in random exposures.
 
-use std::collections::BTreeSet;
-
 use crate::arguments::OutputArguments;
 use crate::clock::{date_line_remark, set_tonight};
 use anyhow::bail;
@@ -20,6 +18,7 @@ use super::orbit_statistics::{self, OrbitStatisticsArguments};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::help::{VerbFlags, help};
+use crate::notices::WarningsOfNights;
 use crate::output::VerbResult;
 use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
@@ -143,6 +142,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let photometry = config.photometry()?;
     let limit_mag = config.limit_mag()?;
     let notices = begin(&config)?;
+    notices.warn(&config.limit_warnings()?);
     set_tonight(&mut typed.night, &config)?;
     if let Some(remark) = date_line_remark(typed.night.first().map(String::as_str), &config) {
         notices.info(&remark);
@@ -156,7 +156,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     };
     let mut found: Vec<(f64, StatisticsRequest, Vec<SkyCount>)> = Vec::new();
     let mut provenance = Provenance::new();
-    let (mut warned, mut left_out, mut without_position) = (BTreeSet::new(), Vec::new(), Vec::new());
+    let (mut of_nights, mut left_out, mut without_position) = (WarningsOfNights::default(), Vec::new(), Vec::new());
     let mut periods: Vec<Value> = Vec::new();
     for night in &typed.night {
         for latitude_deg in &latitudes_deg {
@@ -191,24 +191,26 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             let latitude_rad = at_latitude.site()?.latitude_rad;
             if !missed.is_empty() {
                 let missed: Vec<String> = missed.iter().map(|sun_rad| format!("{:.0}", sun_rad.to_degrees())).collect();
-                notices.warn(&[format!(
+                let warning = format!(
                     "in the night of {night} at latitude {:.1} deg the Sun does not reach altitude {} deg",
                     latitude_rad.to_degrees(),
                     missed.join(", ")
-                )]);
+                );
+                notices.warn([&warning].into_iter().filter(|warning| of_nights.is_first(warning)));
             }
             found.push((latitude_rad, request, counts));
             if found.len() == 1 {
                 provenance = prepared.provenance.clone();
             }
             // Constellations that grow have other satellites in another night.
-            if prepared.add_period(start, &mut periods) {
-                notices.warn(prepared.warnings.iter().filter(|warning| warned.insert((*warning).clone())));
-                without_position.extend(prepared.left_out_warning(&without, start)?);
-                left_out.extend(without);
-            }
+            prepared.add_period(start, &mut periods);
+            notices.warn(prepared.warnings.iter().filter(|warning| of_nights.is_first(warning)));
+            let warning = prepared.left_out_warning(&without, start)?;
+            without_position.extend(warning.filter(|warning| of_nights.is_first(warning)));
+            left_out.extend(without);
         }
     }
+    of_nights.print_last(&notices);
     left_out.sort_by_key(|satellite| satellite.norad_id);
     left_out.dedup_by_key(|satellite| satellite.norad_id);
     notices.list_left_out(without_position, &left_out);

@@ -131,7 +131,10 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let (from, to) = range.resolve(&config)?;
     let plan = config.observation()?;
     if plan.policy.max_cost_s.is_some() {
-        return Err(anyhow!("the policy has max_cost_s, which windows does not support; remove this key"));
+        return Err(anyhow!(
+            "the policy has max_cost_s, but windows are computed from the times of passes, without the cost of each start; allowed: \
+             limit_mag or blocking in place of it, or flag and gate, which compute this cost"
+        ));
     }
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);

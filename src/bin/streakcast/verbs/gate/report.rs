@@ -14,10 +14,10 @@ use super::status_file::{Before, Fault, FaultKind};
 /// Result of a run.
 pub enum GateVerdict {
     /// The field is clear from `first` to `until`, at once or after a wait. If `is_limited`, satellites that exceed no
-    /// limit may cross. If the policy has a largest cost `most_s`, the streaks of a start at `first` cost at most this.
+    /// limit may cross. If the policy has a largest cost `most_s`, the streaks of these starts cost at most this.
     Clear { waited_s: f64, first: Epoch, until: Epoch, most_s: Option<f64>, is_limited: bool },
-    /// The cost of streaks plus the wait is smallest if the exposure starts at `first`.
-    Best { waited_s: f64, first: Epoch, best: BestStart },
+    /// The cost of streaks plus the wait is smallest if the exposure starts from `first` to `until`.
+    Best { waited_s: f64, first: Epoch, until: Epoch, best: BestStart },
     /// There is no clear start within the longest wait, with streaks that cost at most `most_s`.
     NotClear { most_s: Option<f64> },
     /// The frame is not a light frame.
@@ -29,8 +29,9 @@ impl GateVerdict {
     /// checked.
     pub fn start(&self) -> Option<(f64, Epoch, Epoch)> {
         match self {
-            GateVerdict::Clear { waited_s, first, until, .. } => Some((*waited_s, *first, *until)),
-            GateVerdict::Best { waited_s, first, .. } => Some((*waited_s, *first, *first)),
+            GateVerdict::Clear { waited_s, first, until, .. } | GateVerdict::Best { waited_s, first, until, .. } => {
+                Some((*waited_s, *first, *until))
+            }
             GateVerdict::NotClear { .. } | GateVerdict::Skipped(_) => None,
         }
     }
@@ -105,18 +106,19 @@ pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
         Ok(GateVerdict::Clear { waited_s, until, most_s, is_limited, .. }) => {
             let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
             let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
-            let extent = match most_s {
-                Some(most_s) => format!("streaks cost at most {most_s} s"),
-                None => format!("starts until at least {}", format_utc(*until, 0)),
-            };
-            format!("gate: clear {after}, {extent}{others}")
+            let costs = most_s.map(|most_s| format!(", streaks cost at most {most_s} s")).unwrap_or_default();
+            format!("gate: clear {after}{costs}, starts until at least {}{others}", format_utc(*until, 0))
         }
-        Ok(GateVerdict::Best { waited_s, best, .. }) if *waited_s > 0.0 => format!(
-            "gate: start after {waited_s:.1} s, streaks cost {:.2} s instead of {:.2} s",
-            best.streak_cost_s, best.scheduled_cost_s
-        ),
-        Ok(GateVerdict::Best { best, .. }) => {
-            format!("gate: start now, streaks cost {:.2} s", best.streak_cost_s)
+        Ok(GateVerdict::Best { waited_s, until, best, .. }) => {
+            let (after, instead) = match *waited_s > 0.0 {
+                true => (format!("after {waited_s:.1} s"), format!(" instead of {:.2} s", best.scheduled_cost_s)),
+                false => ("now".to_owned(), String::new()),
+            };
+            let until = format_utc(*until, 1);
+            format!(
+                "gate: start {after}, streaks cost {:.2} s{instead}, starts until at least {until}",
+                best.streak_cost_s
+            )
         }
         Ok(GateVerdict::NotClear { most_s }) => {
             let starts = starts("; the exposure starts and will be streaked");

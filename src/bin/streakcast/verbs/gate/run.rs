@@ -14,8 +14,8 @@ use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
-    Blocking, COMPARED_STARTS, ClearWindow, FlagRequest, Policy, ScheduledExposure, TargetWindows, Verdict,
-    WindowRequest, WindowTarget, best_start, clear_windows, judge_exposures, next_window, reason_for_unknown_starts,
+    Blocking, COMPARED_STARTS, ClearWindow, FlagRequest, Policy, ScheduledExposure, TargetWindows, WindowRequest,
+    WindowTarget, best_start, clear_windows, delayed_costs_s, next_window, reason_for_unknown_starts,
 };
 
 use super::arguments::{Flags, GateArguments, Request};
@@ -75,7 +75,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     let notices = decision.notices.unwrap_or_else(|| Notices::from_config(&flags.config));
     let (mut status, mut result) = (decision.status, fault.map_or(decision.result, Err));
     let rest = left(flags.deadline, flags.timeout).max(STATUS);
-    if let Some((waited_s, first, until)) = result.as_ref().ok().and_then(GateVerdict::start)
+    if let Some((waited_s, first, _)) = result.as_ref().ok().and_then(GateVerdict::start)
         && waited_s > 0.0
     {
         if let Some(path) = flags.host.status_file.clone() {
@@ -86,11 +86,13 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
             }
         }
         flags.clock.sleep_until(first);
+    }
+    if let Some((_, first, until)) = result.as_ref().ok().and_then(GateVerdict::start) {
         let now = flags.clock.now();
         let late_s = seconds_between(first, now);
         if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
             let message = format!(
-                "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the clear start"
+                "the clock was set, or the machine was suspended or slow: {late_s:+.1} s from the start that was judged"
             );
             result = Err(Fault::new(FaultKind::Clock, message));
         }
@@ -239,20 +241,31 @@ fn verdict(
         Fault::new(FaultKind::Target, message)
     };
     if by_cost {
-        let row = row_of(&target, now);
-        let (best, _) =
-            best_start(&row, flags.max_wait_s, &window_request.conditions).map_err(|error| setup_fault(&error))?;
-        let Some(best) = best else { return Err(below()) };
-        let first = seconds_after(now, best.delay_s);
+        let mut from = now;
+        let (first, until, best) = loop {
+            let longest_s = (flags.max_wait_s - seconds_between(now, from)).max(0.0);
+            let best = best_start(&row_of(&target, from), longest_s, &window_request.conditions)
+                .map_err(|error| setup_fault(&error))?;
+            let Some(best) = best else { return Err(below()) };
+            state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
+            if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
+                return Ok(GateVerdict::NotClear { most_s: policy.max_cost_s });
+            }
+            let first = seconds_after(from, best.delay_s);
+            let until = seconds_after(first, policy.margin_or_default_s());
+            let ended = flags.clock.now();
+            if ended <= until || from > now {
+                break (first, until, best);
+            }
+            // The start is over. Those after a second computation, which takes as long, are compared.
+            from = seconds_after(ended, seconds_between(from, ended));
+        };
         let waited_s = seconds_between(flags.clock.now(), first).max(0.0);
-        state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
-        if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
-            return Ok(GateVerdict::NotClear { most_s: policy.max_cost_s });
-        }
         state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
         state(status, "start_utc", format_utc(first, 3));
+        state(status, "cost_until_utc", format_utc(until, 3));
         state(status, "streak_cost_s", rounded(best.streak_cost_s, 3));
-        return Ok(GateVerdict::Best { waited_s, first, best });
+        return Ok(GateVerdict::Best { waited_s, first, until, best });
     }
     // The windows extend beyond the longest wait, so that the end of the clear interval is known.
     let horizon = seconds_after(now, flags.max_wait_s + duration_s.max(60.0) + duration_s);
@@ -277,9 +290,7 @@ fn verdict(
     let waited_s = seconds_between(now, first).max(0.0);
     state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
     state(status, "start_utc", format_utc(first, 3));
-    if most_s.is_none() {
-        state(status, "clear_until_utc", format_utc(until, 3));
-    }
+    state(status, "clear_until_utc", format_utc(until, 3));
     Ok(GateVerdict::Clear { waited_s, first, until, most_s, is_limited })
 }
 
@@ -290,8 +301,8 @@ fn row_of(target: &WindowTarget, start: Epoch) -> ScheduledExposure {
     ScheduledExposure { id: exposure.id.clone(), row: 0, band: band.clone(), open_s: None, exposure: Ok(exposure) }
 }
 
-/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the end of its window: of the
-/// beginnings of the windows and of starts at equal intervals from the first to the last time.
+/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the last start for which they
+/// were computed: of the beginnings of the windows and of starts at equal intervals from the first to the last time.
 fn affordable_start(
     windows: &[ClearWindow],
     (now, last): (Epoch, Epoch),
@@ -309,10 +320,14 @@ fn affordable_start(
     let mut starts: Vec<ClearWindow> = starts.filter_map(window_from).collect();
     starts.sort_by_key(|window| window.first);
     starts.dedup_by_key(|window| window.first);
-    let rows: Vec<ScheduledExposure> = starts.iter().map(|window| row_of(target, window.first)).collect();
-    let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
-    let is_affordable = |flag: &Verdict| flag.streak_cost_s.is_some_and(|cost_s| cost_s <= most_s);
-    Ok(starts.into_iter().zip(flags).find(|(_, flag)| is_affordable(flag)).map(|(window, _)| window))
+    let delays_s: Vec<f64> = starts.iter().map(|window| seconds_between(now, window.first)).collect();
+    let costs_s = delayed_costs_s(&row_of(target, now), &delays_s, request)?;
+    let is_affordable = |cost_s: &Option<f64>| cost_s.is_some_and(|cost_s| cost_s <= most_s);
+    let found = starts.into_iter().zip(costs_s).find(|(_, cost_s)| is_affordable(cost_s));
+    Ok(found.map(|(ClearWindow { first, last }, _)| {
+        let judged_until = seconds_after(first, request.policy.margin_or_default_s());
+        ClearWindow { first, last: last.min(judged_until) }
+    }))
 }
 
 /// Returns pointing and site. The pointing is, in this order, that of the flags, of the target name, or of the mount.

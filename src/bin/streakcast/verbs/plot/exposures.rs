@@ -84,6 +84,7 @@ pub fn of_flags(
             ids.len()
         );
     }
+    check_exposures(flags, &schedule, path)?;
     let (verdicts, streaks, brightest) =
         (flags.texts("verdict")?, flags.numbers("n_streaks")?, flags.numbers("brightest_mag")?);
     let rows = schedule.exposures.iter().enumerate().map(|(index, row)| {
@@ -95,6 +96,46 @@ pub fn of_flags(
         row_of(row, verdict, observer, eop)
     });
     Ok(Table { columns: COLUMNS.to_vec(), rows: rows.collect() })
+}
+
+/// Largest difference between times in a table and in its schedule, seconds, and between angles, degrees: the rounding of
+/// tables.
+const ROUNDING_S: f64 = 0.01;
+const ROUNDING_DEG: f64 = 1e-5;
+
+/// Checks that starts, lengths and pointings of flags are those of the schedule, as far as the table has them. Schedules of
+/// several nights may have the same identifiers.
+///
+/// # Errors
+/// An exposure differs.
+fn check_exposures(flags: &Columns, schedule: &Schedule, path: &Path) -> anyhow::Result<()> {
+    let starts = if flags.has("start_utc") { flags.moments("start_utc")? } else { vec![f64::NAN; flags.len()] };
+    let durations_s = flags.numbers_or_nan("duration_s")?;
+    let (ras_deg, decs_deg) = (flags.numbers_or_nan("ra_deg")?, flags.numbers_or_nan("dec_deg")?);
+    for (index, row) in schedule.exposures.iter().enumerate() {
+        let Ok(exposure) = &row.exposure else { continue };
+        let apart_deg = |degrees: f64, radians: f64| {
+            let difference_deg = (degrees - radians.to_degrees()).rem_euclid(360.0);
+            difference_deg.min(360.0 - difference_deg)
+        };
+        let apart_s = ((starts[index] - mjd_utc(exposure.start)) * 86_400.0).abs();
+        let differences = [
+            (apart_s, ROUNDING_S, "start", "s"),
+            ((durations_s[index] - exposure.duration_s).abs(), ROUNDING_S, "length", "s"),
+            (apart_deg(ras_deg[index], exposure.pointing.longitude_rad()), ROUNDING_DEG, "right ascension", "deg"),
+            (apart_deg(decs_deg[index], exposure.pointing.latitude_rad()), ROUNDING_DEG, "declination", "deg"),
+        ];
+        // Columns that the table lacks are NaN.
+        if let Some((apart, _, what, unit)) = differences.into_iter().find(|(apart, most, ..)| apart > most) {
+            bail!(
+                "the {what} of exposure {} in the flags differs by {apart:.3} {unit} from that in the schedule {}; allowed: the \
+                 schedule of the flags, read with the same options",
+                streakcast::message::Quoted::new(&row.id),
+                path.display()
+            );
+        }
+    }
+    Ok(())
 }
 
 /// Returns a row of the table: `verdict` has the verdict, the numbers of streaks and of bright ones, and the magnitude.

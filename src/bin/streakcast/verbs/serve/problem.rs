@@ -25,7 +25,7 @@ impl Problem {
         Self { status, detail: bounded(&detail.into()).into_owned(), parameter: None, header: None }
     }
 
-    fn of_parameter(name: &str, detail: String) -> Self {
+    pub fn of_parameter(name: &str, detail: String) -> Self {
         Self { parameter: Some(name.to_owned()), ..Self::new(400, detail) }
     }
 

@@ -60,7 +60,10 @@ pub const fn number(least: f64, greatest: f64, unit: &'static str) -> Kind {
 impl Kind {
     fn allowed(self) -> String {
         match self {
-            Kind::Number { least, greatest, unit } => format!("{least} to {greatest}{unit}"),
+            Kind::Number { least, greatest, unit } => {
+                let without = if unit.is_empty() { "" } else { ", as a number without the unit" };
+                format!("{least} to {greatest}{unit}{without}")
+            }
             Kind::Count { least, greatest } => format!("whole numbers from {least} to {greatest}"),
             Kind::Moment => "UTC as 2024-08-14T00:30:00.000Z, 1957 to 2099".to_owned(),
             Kind::JulianDate => {

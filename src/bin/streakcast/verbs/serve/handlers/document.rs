@@ -204,5 +204,6 @@ pub fn degrees(position: &AltAz) -> (f64, f64) {
 /// Rounds a number to a number of decimals.
 pub fn rounded(value: f64, decimals: i32) -> f64 {
     let factor = 10_f64.powi(decimals);
-    (value * factor).round() / factor
+    // The sum of no numbers is -0.
+    (value * factor).round() / factor + 0.0
 }

@@ -37,7 +37,10 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let given: Vec<&str> = text.split(';').filter(|part| !part.trim().is_empty()).collect();
     if given.is_empty() || given.len() > MOST {
         let allowed = format!("1 to {MOST} exposures, {ACCEPTED}");
-        return Err(Problem::parameter("exposures", &format!("with {} exposures", given.len()), &allowed));
+        return Err(Problem::of_parameter(
+            "exposures",
+            format!("{} exposures are given; allowed: {allowed}", given.len()),
+        ));
     }
     let default_rotation_deg = query.number("rotation_deg").or(state.config.rotation).unwrap_or_default();
     let rows = given.iter().enumerate().map(|(row, text)| scheduled(state, row, text, default_rotation_deg));
@@ -89,7 +92,7 @@ fn scheduled(state: &RequestState, row: usize, text: &str, rotation_deg: f64) ->
     let start = moment(cells[0]).ok_or_else(|| wrong("start_utc", cells[0], "UTC like 2024-08-14T00:30:00Z"))?;
     let within = |what: &str, text: &str, [least, greatest]: [f64; 2], unit: &str| {
         let number = text.parse().ok().filter(|number| (least..=greatest).contains(number));
-        number.ok_or_else(|| wrong(what, text, &format!("{least} to {greatest} {unit}")))
+        number.ok_or_else(|| wrong(what, text, &format!("{least} to {greatest} {unit}, as a number without the unit")))
     };
     let pointing = Direction::from_lon_lat_rad(
         within("ra_deg", cells[2], [0.0, 360.0], "deg")?.to_radians(),

@@ -101,7 +101,11 @@ pub fn passes(state: &RequestState, query: &Query) -> Result<String, Problem> {
     };
     // The passes are first computed without points, to check the number of points.
     let (found, left_out) = passes_of(0)?;
-    let caveats = state.caveats_at(exposure.start, seconds_after(exposure.start, exposure.duration_s), &left_out)?;
+    let mut caveats =
+        state.caveats_at(exposure.start, seconds_after(exposure.start, exposure.duration_s), &left_out)?;
+    // The format has no verdict: without this warning, an empty response for a field below the horizon means a clear one.
+    let below = state.prepared().check_altitude_from(sky.viewpoint(), "field", &exposure);
+    caveats.warnings.extend(below.err().map(|error| error.to_string()));
     let expected: f64 = found.iter().map(|pass| length_s(pass).ceil().min(MAX_SAMPLES as f64) + 1.0).sum();
     if expected > MAX_POSITIONS {
         let detail = format!(
