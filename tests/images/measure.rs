@@ -606,7 +606,7 @@ fn verif_streaks_beside_the_edge_are_found() {
     let profile = Optics { form: SeeingForm::Gaussian, seeing_arcsec: 3.0, outer_radius_m: 0.0, inner_radius_m: 0.0 };
     let drawn_with = profile.profile(600.0, 0.0, 1.0, 1.0).unwrap();
     for (number, edge_pix) in [2.0, 4.0, 7.0, COLUMNS as f64 - 4.0].into_iter().enumerate() {
-        let (mut plane, light_area) = (Plane::new(ROWS, COLUMNS), LightArea::whole(ROWS, COLUMNS));
+        let (mut plane, light_area) = (Plane::zeros(ROWS, COLUMNS), LightArea::whole(ROWS, COLUMNS));
         let path = |rate: f64| {
             let ends = [(0.0, 60.0), (EXPOSURE_S, 260.0)];
             let nodes = ends.map(|(time_s, y)| PathNode::new(time_s, PixelPosition { x: edge_pix, y }, rate));
