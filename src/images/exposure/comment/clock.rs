@@ -26,6 +26,17 @@ impl Comment {
 
     /// Returns true if the comment states a local time.
     pub fn is_local(&self) -> bool {
+        // "UTC; local = UTC-7"
+        let clauses = self.text.split([',', ';', '(', ')', '[', ']']).map(Self::new);
+        let mut clauses = clauses.filter(|clause| !clause.clauses.is_empty());
+        if let Some(first) = clauses.next()
+            && first.is_universal()
+        {
+            let (defining, others): (Vec<Self>, Vec<Self>) = clauses.partition(Self::defines_local);
+            if !defining.is_empty() {
+                return first.is_local() || others.iter().any(Self::is_local);
+            }
+        }
         if self.has_offset() {
             return true;
         }
@@ -52,6 +63,21 @@ impl Comment {
         let is_zone =
             |word: &str| ZONES.split(' ').any(|zone| zone == word) && !self.text.contains(&format!("{word}."));
         !is_universal && (self.words().any(is_zone) || self.has_pair(ZONE_NAMES, "time standard summer zeit"))
+    }
+
+    /// Returns true if a clause states the offset of another time from universal time, as "local = UTC-7" and "MST is UTC -
+    /// 7 h".
+    fn defines_local(&self) -> bool {
+        let is_other = |part: &Self| {
+            part.has(LOCAL) || part.has("zone timezone site observatory") || part.words().any(|word| lists(ZONES, word))
+        };
+        match self.text.split_once('=') {
+            Some((before, _)) => is_other(&Self::new(before)),
+            None => {
+                let has_sign = self.text.contains(['+', '-']) || self.has("minus plus");
+                is_other(self) && has_sign && self.text.contains(|c: char| c.is_ascii_digit())
+            }
+        }
     }
 
     /// Returns true if the comment states an offset from UTC other than 0, such as `UTC-7` or `(GMT +5:30)`.

@@ -1,5 +1,6 @@
 //! Part of the exposure to which an instant refers, by the comment of its card.
 
+use super::clock::UNIVERSAL;
 use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
 /// Words of the end that have another meaning before a noun.
@@ -25,6 +26,8 @@ const PLANS: &str = "planned intended requested scheduled proposed";
 /// Words of events after the exposure, at an unknown delay.
 const EVENTS: &str = "received reception arrival arrived created creation saved saving stored written writing write \
      generated modified downloaded download transferred transfer readout";
+/// Words of the program that wrote the keyword, as in "UTC, written by TCS".
+const WRITERS: &str = "written created generated modified stored saved";
 /// Words with which a part beside such an event is not that of the time.
 const UNSTATED: &str = "plus after not no unknown file packet";
 const CORRECTED: &str = "heliocentric barycentric hjd bjd bmjd hmjd";
@@ -56,7 +59,7 @@ impl Comment {
             return Err(UNCLEAR);
         }
         let (stated, is_unclear) = self.parts();
-        if self.has(EVENTS) && (stated.is_empty() || !self.begins_with_part()) {
+        if self.has(EVENTS) && !self.is_of_writer() && (stated.is_empty() || !self.begins_with_part()) {
             return Err(AFTER_EXPOSURE);
         }
         match (&stated[..], named) {
@@ -71,6 +74,16 @@ impl Comment {
             }
             (_, None) => Err("of more than one part of the exposure"),
         }
+    }
+
+    /// Returns true if the only event in the comment is the writing of the keyword, as in "[UTC] written by TCS".
+    fn is_of_writer(&self) -> bool {
+        let is_keyword = |word: &String| lists(UNIVERSAL, word) || lists("keyword header card value", word);
+        let is_by = |words: &Vec<String>| {
+            let at = words.windows(2).position(|pair| lists(WRITERS, &pair[0]) && pair[1] == "by");
+            at.is_some_and(|at| words[..at].iter().all(is_keyword))
+        };
+        self.words().filter(|word| lists(EVENTS, word)).count() == 1 && self.clauses.iter().any(is_by)
     }
 
     /// Returns true if the comment begins with a part of the exposure, as "start of exposure, which ends with readout".
@@ -250,6 +263,19 @@ mod tests {
             ("computer time zone -7", Err("a local time")),
             ("time zone: UTC", Ok(None)),
             ("UTC, not local time", Ok(None)),
+            ("UTC; local = UTC-7", Ok(None)),
+            ("UTC (local time is UTC-7h)", Ok(None)),
+            ("UTC of mid-exposure; MST is UTC - 7 h", Ok(Some(Role::Middle))),
+            ("UTC (time zone UTC+2), start", Ok(Some(Role::Start))),
+            ("UTC (local time)", Err("a local time")),
+            ("UTC, time = local", Err("a local time")),
+            ("UTC (UTC-7)", Err("a local time")),
+            ("MST (UTC = MST + 7 h)", Err("a local time")),
+            ("UTC; local = UTC-7, local", Err("a local time")),
+            ("[UTC] written by TCS", Ok(None)),
+            ("UTC start of exposure (keyword written by TCS)", Ok(Some(Role::Start))),
+            ("[UTC] written by TCS after readout", Err(AFTER_EXPOSURE)),
+            ("image created by camera", Err(AFTER_EXPOSURE)),
             ("Local site PC clock set to UTC", Ok(None)),
             ("Greenwich Mean Time", Ok(None)),
             ("mean of the exposure, UT", Ok(Some(Role::Middle))),
