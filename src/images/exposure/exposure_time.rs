@@ -37,8 +37,8 @@ const COARSE_S: f64 = 10.0;
 /// <https://iraf.noao.edu/projects/mosaic/imagedef/mosaic/MosaicV1.dic>).
 const APPROXIMATE: &str = "APPROXIMATE";
 
-/// Beginnings of keywords of the zone of a local time or its offset from universal time, without hyphens.
-const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
+/// Beginnings of keywords of the zone of a local time, its offset from universal time or its summer time, without hyphens.
+const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF", "DST", "DAYL", "SUMMERT"];
 
 /// Beginnings of keywords of the clock, whose value may be "local".
 const CLOCKS: &[&str] = &["CLOCK", "CLK", "TIMETYP", "TIMEBAS", "TIMESRC"];
@@ -96,7 +96,7 @@ impl ExposureTime {
     ///
     /// # Errors
     /// Keywords are missing, invalid or contradictory; a comment states a local time or the time of an event after the
-    /// exposure; a year has two digits; the only time is a day number with less than four decimals, or has no seconds;
+    /// exposure; a date is ambiguous; the only time is a day number with less than four decimals, or has no seconds;
     /// the exposure time is 0 or less, or that of one of several co-added exposures.
     pub fn from_headers(headers: &[&Header]) -> Result<Self, Error> {
         Self::with_given(headers, None, None)
@@ -452,6 +452,7 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
             CardValue::Integer(number) => number.to_string(),
             CardValue::Real(number) => number.to_string(),
             CardValue::Text(text) => text.trim().to_owned(),
+            CardValue::Logical(true) => return Some((name, "T".to_owned())),
             _ => return None,
         };
         // Quarters of an hour, in hours or in seconds.

@@ -147,7 +147,7 @@ pub struct Instants {
     /// Middles, ends, and times of the first and last of several exposures, in keywords of other names, such as OBS-END and
     /// UTC-LAST, which are only compared.
     pub others: Vec<Instant>,
-    /// Error of a date with a year of two digits, or with an ambiguous order.
+    /// Error of an ambiguous date.
     pub unclear: Option<Error>,
     /// Error of a date without a time.
     pub day_alone: Option<Error>,
@@ -521,6 +521,8 @@ impl Reader<'_> {
             let of_comment = || {
                 if !self.is_stated {
                     comment.scale()?;
+                } else if comment.contradicts(self.scale) {
+                    return Err("in another time scale than TIMESYS");
                 }
                 comment.role(is_named.then_some(usual))
             };

@@ -30,7 +30,7 @@ const ELAPSED: &[&str] = &[
     "ELAPS", "DURAT", "EXPDUR", "OBSDUR", "REALTIM", "WALLTIM", "WALLCL", "CLOCKTIM", "TIMESPAN", "EXPSPAN", "OBSSPAN",
     "ONTIME", "ACQTIM",
 ];
-const TOTALS: &[&str] = &["TOT", "CUM", "SUM"];
+const TOTALS: &[&str] = &["TOT", "CUM", "SUM", "STACK"];
 /// Keywords of the true or measured exposure time, which may be shorter than the requested one, and words of comments.
 const TRUE_TIMES: &[&str] = &[
     "ACTEXP", "ACTTIME", "ACTUALEX", "REALEXP", "REALTIME", "TRUEEXP", "EXPOSED", "EXPMEAS", "MEASEXP", "REXPTIME",
@@ -373,7 +373,7 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
             && !comment.has(OF_SERIES)
     };
     let is_total_name = |name: &str| {
-        TOTALS.iter().any(|total| name.starts_with(total)) && (name.contains("EXP") || name.contains("TIM"))
+        TOTALS.iter().any(|total| name.starts_with(total) || name.ends_with(total)) && (name.contains("EXP") || name.contains("TIM"))
     };
     let is_true = |name: &str, comment: &Comment| {
         TRUE_TIMES.iter().any(|known| is_spelling(known, name))

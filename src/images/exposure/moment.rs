@@ -22,10 +22,10 @@ pub(super) enum DateText {
     Unreadable,
 }
 
-/// Returns a text without "Z", "UTC" or "UT" at its end.
+/// Returns a text without "Z", "UTC", "UT" or "GMT" at its end.
 fn without_universal(text: &str) -> &str {
     let text = text.trim();
-    let ends = ["z", "utc", "ut"].into_iter().find(|end| text.to_ascii_lowercase().ends_with(end));
+    let ends = ["z", "utc", "ut", "gmt"].into_iter().find(|end| text.to_ascii_lowercase().ends_with(end));
     ends.map_or(text, |end| text[..text.len() - end.len()].trim_end())
 }
 

@@ -252,6 +252,10 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f6
         let largest = a.iter().flatten().fold(0.0, |largest: f64, term| largest.max(term.abs()));
         entries.iter().any(|(i, j)| (a[*i][*j] - b[*i][*j]).abs() > MATRIX_SLACK * largest)
     };
+    let missing = (1..=2).map(|axis| format!("CDELT{axis}")).find(|step| !header.contains(step));
+    if let Some(step) = missing.filter(|_| !has_cd && !is_turned) {
+        return Err(Error::invalid(step, "missing", "CDELT1 and CDELT2, or a matrix of CDi_j"));
+    }
     if !has_cd {
         if is_turned && rotation != 0.0 && differs(turned, rotated) {
             return Err(Error::invalid(

@@ -12,7 +12,12 @@ pub(super) const FILLERS: &str = "of the at to a an in and or between this first
 const PERIODS: &str = "block blocks ob sequence sequences series night run session program programme queue script";
 /// Ends and middles as sums or in languages in which the word alone has other meanings, without blanks, in lower case.
 const PHRASES: &[(Role, &[&str])] = &[
-    (Role::Middle, &["50%of", "metaposa", "metaesposizione"]),
+    // The end minus the exposure time
+    (Role::Start, &["-exptime", "-texp", "-t_exp", "-xposure", "minusexp"]),
+    (
+        Role::Middle,
+        &["50%of", "50%exp", "start+end)/2", "start+stop)/2", "begin+end)/2", "metaposa", "metaesposizione"],
+    ),
     (Role::End, &["+exp", "+texp", "+t_exp", "+xposure", "plusexp", "fineesposizione", "finedell", "fineposa"]),
 ];
 /// Beginnings of names of the exposure time in formulas, and a half of it before and after such a name.
@@ -105,7 +110,7 @@ impl Comment {
         let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
         let phrase = PHRASES.iter().find(|(role, list)| {
-            (*role == Role::Middle || !of_others || is_sum(&joined))
+            (*role != Role::End || !of_others || is_sum(&joined))
                 && list.iter().any(|phrase| joined.contains(phrase))
         });
         let mut stated: Vec<Role> = phrase.map(|(role, _)| *role).into_iter().collect();
@@ -113,7 +118,7 @@ impl Comment {
             stated = vec![Role::Middle];
         }
         // "start + exptime/2", "DATE-BEG + EXPTIME"
-        if stated == [Role::Middle] || (stated == [Role::End] && is_sum(&joined)) {
+        if matches!(stated[..], [Role::Start | Role::Middle]) || (stated == [Role::End] && is_sum(&joined)) {
             return (stated, false);
         }
         let mut is_unclear = self.has(OTHERS);
@@ -236,6 +241,12 @@ mod tests {
             ("frame 1/2, exposure 1/20 s", Ok(None)),
             ("DATE-BEG + EXPTIME", Ok(Some(Role::End))),
             ("MJD-OBS + texp", Ok(Some(Role::End))),
+            ("DATE-END - EXPTIME", Ok(Some(Role::Start))),
+            ("UTC at shutter close minus exposure", Ok(Some(Role::Start))),
+            ("end - exptime/2", Ok(Some(Role::Middle))),
+            ("(start + end) / 2", Ok(Some(Role::Middle))),
+            ("UTC at 50% exposure", Ok(Some(Role::Middle))),
+            ("Belichtungsmitte", Ok(Some(Role::Middle))),
             ("MJD-OBS + EXPTIME/172800", Ok(None)),
             ("UTC start of 1/2 exposures", Ok(Some(Role::Start))),
             ("start of exposure (TAI, not UTC)", Ok(Some(Role::Start))),
@@ -267,6 +278,9 @@ mod tests {
             ("UTC (local time is UTC-7h)", Ok(None)),
             ("UTC of mid-exposure; MST is UTC - 7 h", Ok(Some(Role::Middle))),
             ("UTC (time zone UTC+2), start", Ok(Some(Role::Start))),
+            ("UTC of start (local time: see LOCTIME)", Ok(Some(Role::Start))),
+            ("UTC = local + 7h", Ok(None)),
+            ("local time converted to UTC", Ok(None)),
             ("UTC (local time)", Err("a local time")),
             ("UTC, time = local", Err("a local time")),
             ("UTC (UTC-7)", Err("a local time")),

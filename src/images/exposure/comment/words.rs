@@ -68,7 +68,7 @@ const OTHER_MEANINGS: &[&str] = &[
 
 /// Words of a part that are written together with a word of the exposure or a clock, as in "tmid" and "expend", and words
 /// that only seem to be such a pair.
-const JOINED_PARTS: &str = "start begin beginn beg mid middle end ende stop";
+const JOINED_PARTS: &str = "start begin beginn beg mid middle mitte end ende stop";
 const NO_PAIRS: &str = "intend endpoint";
 
 /// Returns true if a list of words contains a word, in upper or lower case.
