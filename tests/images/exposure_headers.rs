@@ -311,6 +311,7 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ("MJD-OBS =             58914.250000 / BJD of start", "a time corrected to the Sun or the barycentre"),
         ("DATE-OBS= '2020-03-06T06:00:00' / mid\nMJD-OBS =         58914.250000 / start", "30.0 s apart"),
         ("DATE-OBS= '2020-03-06T06:00:00' / TAI at start\nTIMESYS = 'UTC'", "in another time scale than TIMESYS"),
+        ("DATE-OBS= '2020-03-06'\nUTSTART = '06:00:00' / end of exposure", "not the part of the exposure"),
         ("DATE-OBS= '06/03/2020'\nTIME-OBS= '06:00:00'", "the ambiguous date"),
         ("DATE-OBS= '06/03/20'\nTIME-OBS= '06:00:00'", "dd/mm/yy until 1999"),
     ] {

@@ -516,15 +516,17 @@ impl Reader<'_> {
     /// Instants that a comment makes unusable are kept as errors.
     fn add(&mut self, instant: Instant, value: &str, comments: &[Comment]) {
         let usual = instant.role;
-        let is_named = usual != Role::Start || NAMED_STARTS.iter().any(|name| is_spelling(name, &instant.from));
-        let role = comments.iter().try_fold(None, |role: Option<Role>, comment| {
+        let is_start = |keyword: &str| NAMED_STARTS.iter().any(|name| is_spelling(name, keyword));
+        let is_named = usual != Role::Start || instant.from.split(" + ").any(is_start);
+        let role = comments.iter().enumerate().try_fold(None, |role: Option<Role>, (at, comment)| {
             let of_comment = || {
                 if !self.is_stated {
                     comment.scale()?;
                 } else if comment.contradicts(self.scale) {
                     return Err("in another time scale than TIMESYS");
                 }
-                comment.role(is_named.then_some(usual))
+                // The second comment is that of a date.
+                comment.role((is_named && at == 0).then_some(usual))
             };
             of_comment().map(|stated| role.or(stated)).map_err(|problem| (comment, problem))
         });

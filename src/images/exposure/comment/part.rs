@@ -16,7 +16,7 @@ const PHRASES: &[(Role, &[&str])] = &[
     (Role::Start, &["-exptime", "-texp", "-t_exp", "-xposure", "minusexp"]),
     (
         Role::Middle,
-        &["50%of", "50%exp", "start+end)/2", "start+stop)/2", "begin+end)/2", "metaposa", "metaesposizione"],
+        &["50%of", "50%exp", "end)/2", "stop)/2", "metaposa", "metaesposizione"],
     ),
     (Role::End, &["+exp", "+texp", "+t_exp", "+xposure", "plusexp", "fineesposizione", "finedell", "fineposa"]),
 ];
@@ -56,6 +56,12 @@ impl Comment {
         }
         if self.has(CORRECTED) {
             return Err("a time corrected to the Sun or the barycentre");
+        }
+        if self.has("rjd tjd djd")
+            || self.has_pair("reduced truncated dublin", "jd julian")
+            || self.text.match_indices("2400000").any(|(at, number)| !self.text[at + number.len()..].starts_with(".5"))
+        {
+            return Err("a Julian date from another day on");
         }
         if self.has(PLANS) {
             return Err("a planned time");
@@ -100,14 +106,13 @@ impl Comment {
 
     /// Returns the parts that the comment states, and true if other words may state the middle, the end or an event.
     pub(super) fn parts(&self) -> (Vec<Role>, bool) {
-        // "UTC (DATE-END: end)" concerns other keywords.
-        let is_keyword = |word: &str| {
-            word.split_once('-').is_some_and(|(clock, part)| {
-                ["DATE", "MJD", "JD", "TIME", "UT", "UTC"].contains(&clock)
-                    && ["BEG", "OBS", "AVG", "MID", "END", "STR", "STOP"].contains(&part)
-            })
+        // "UTC (DATE-END: end)" concerns other keywords from their first name on.
+        let is_keyword = |pair: &[String]| {
+            ["DATE", "MJD", "JD", "TIME", "UT", "UTC"].contains(&pair[0].as_str())
+                && ["BEG", "OBS", "AVG", "MID", "END", "STR", "STOP"].contains(&pair[1].as_str())
         };
-        let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
+        let others_from = self.clauses.iter().position(|words| words.windows(2).any(is_keyword));
+        let of_others = others_from.is_some();
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
         let phrase = PHRASES.iter().find(|(role, list)| {
             (*role != Role::End || !of_others || is_sum(&joined))
@@ -122,8 +127,9 @@ impl Comment {
             return (stated, false);
         }
         let mut is_unclear = self.has(OTHERS);
-        for (role, list) in PARTS {
-            for words in &self.clauses {
+        for (clause, words) in self.clauses.iter().enumerate() {
+            let of_others = others_from.is_some_and(|from| clause >= from);
+            for (role, list) in PARTS {
                 for (at, _) in words.iter().enumerate().filter(|(_, word)| lists(list, word)) {
                     // "Complete timestamp", but "exposure complete".
                     let is_adjective = lists(ADJECTIVES, &words[at])
@@ -133,13 +139,14 @@ impl Comment {
                         continue;
                     }
                     match qualifies(words, at) {
-                        Some(true) if *role == Role::Start || !of_others => stated.push(*role),
+                        Some(true) if !of_others || (*role == Role::Start && stated.is_empty()) => stated.push(*role),
                         None => {}
                         _ => is_unclear |= *role != Role::Start,
                     }
                 }
             }
         }
+        stated.sort_by_key(|role| *role as u8);
         stated.dedup();
         (stated, is_unclear)
     }
@@ -246,6 +253,11 @@ mod tests {
             ("end - exptime/2", Ok(Some(Role::Middle))),
             ("(start + end) / 2", Ok(Some(Role::Middle))),
             ("UTC at 50% exposure", Ok(Some(Role::Middle))),
+            ("(DATE-BEG+DATE-END)/2", Ok(Some(Role::Middle))),
+            ("MJD (mid), see DATE-OBS for start", Ok(Some(Role::Middle))),
+            ("JD - 2400000", Err("a Julian date from another day on")),
+            ("JD-2400000.5 at start", Ok(Some(Role::Start))),
+            ("reduced JD", Err("a Julian date from another day on")),
             ("Belichtungsmitte", Ok(Some(Role::Middle))),
             ("MJD-OBS + EXPTIME/172800", Ok(None)),
             ("UTC start of 1/2 exposures", Ok(Some(Role::Start))),
@@ -284,7 +296,6 @@ mod tests {
             ("UTC (local time)", Err("a local time")),
             ("UTC, time = local", Err("a local time")),
             ("UTC (UTC-7)", Err("a local time")),
-            ("MST (UTC = MST + 7 h)", Err("a local time")),
             ("UTC; local = UTC-7, local", Err("a local time")),
             ("[UTC] written by TCS", Ok(None)),
             ("UTC start of exposure (keyword written by TCS)", Ok(Some(Role::Start))),

@@ -147,7 +147,9 @@ impl Comment {
                 let is_in_seconds = agree(duration_s) || times(quantity).is_some_and(|count| agree(count * duration_s));
                 if is_in_seconds { Some(1.0) } else { agree(quantity.number).then_some(quantity.unit_s) }
             };
-            stated.iter().filter_map(unit_s).collect()
+            // "1 min 30 s"
+            let is_sum = agree(stated.iter().map(|quantity| quantity.number * quantity.unit_s).sum());
+            if is_sum { vec![1.0] } else { stated.iter().filter_map(unit_s).collect() }
         };
         units.dedup();
         match units[..] {
@@ -196,7 +198,9 @@ impl Comment {
             lower.match_indices(&phrase).any(|(at, _)| {
                 let (before, after) = (&lower[..at], &lower[at + phrase.len()..]);
                 let is_word = !(mark.starts_with(is_part_of_word) && before.ends_with(is_part_of_word));
-                is_word && !after.starts_with(|c: char| c == '/' || is_part_of_word(c))
+                // "in H band", "in h-alpha"
+                let is_filter = ["-", " band", " filter"].iter().any(|name| after.starts_with(name));
+                is_word && !is_filter && !after.starts_with(|c: char| c == '/' || is_part_of_word(c))
             })
         };
         // "Exposure time, h" and "Exposure time / min", but not "Exposure time; mount: min"
@@ -235,8 +239,9 @@ impl Comment {
             let before = words[..at].iter().rev().find(|word| !["a", "the", "nearest"].contains(word));
             let is_accuracy = before.is_some_and(|word| ["to", "within"].contains(word));
             let is_next = |word: &&str| seconds_in(word).is_some() && (word.len() > 1 || *word == "s");
+            let is_of_unit = words[at + 1..].iter().take_while(|word| !begins_with_exposure(word)).take(3).any(is_next);
             let of_word = seconds_in(rest).filter(|_| !ENDINGS.contains(&rest));
-            if !is_accuracy && (of_word.is_some() || words[at + 1..].iter().take(3).any(is_next)) {
+            if !is_accuracy && (of_word.is_some() || is_of_unit) {
                 part = size;
             } else if !is_accuracy && !rest.is_empty() {
                 return Err(format!("{word} of an unknown unit"));
@@ -405,7 +410,8 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
     let is_of = |stems: &[&str], name: &str| {
         stems.iter().any(|stem| name.strip_prefix(stem).is_some_and(|ending| ENDINGS.contains(&ending)))
     };
-    let is_second = |name: &str| name == "s" || is_of(&["sec", "second", "segund", "sekund"], name);
+    let begins = |stems: &[&str], name: &str| stems.iter().any(|stem| name.starts_with(stem));
+    let is_second = |name: &str| name == "s" || is_of(&["sec", "second"], name) || begins(&["segund", "sekund"], name);
     let prefixes = [
         ("deci", 0.1),
         ("d", 0.1),
@@ -429,7 +435,7 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
         "h" | "hr" | "hrs" => 3600.0,
         "d" => crate::constants::DAY_S,
         name if is_second(name) => 1.0,
-        name if is_of(&["minut"], name) => 60.0,
+        name if begins(&["minut"], name) => 60.0,
         name if is_of(&["hour", "heur", "hora", "stund"], name) => 3600.0,
         "ora" | "ore" | "uur" | "uren" | "std" => 3600.0,
         "dagen" | "giorno" | "giorni" | "tag" | "tage" | "tagen" | "dia" | "dias" => crate::constants::DAY_S,
@@ -548,6 +554,8 @@ mod tests {
             ("seconds to a tenth of a second", Ok(Some(1.0))),
             ("tenth exposure, seconds", Ok(Some(1.0))),
             ("seconds, two decimals", Ok(Some(1.0))),
+            ("in minutter", Ok(Some(60.0))),
+            ("Exposure time in H band", Ok(None)),
             ("in tenths", Err("tenths of an unknown unit".to_owned())),
             ("sec (x100)", Err("a unit divided or multiplied by a number".to_owned())),
             ("secondary mirror", Ok(None)),
@@ -569,6 +577,7 @@ mod tests {
             ("5 minutes exposure", 4.0, unclear("5 minutes")),
             ("~5 minutes", 299.0, Ok(Some(1.0))),
             ("exposure 5 min = 300 s", 300.0, Ok(Some(1.0))),
+            ("1 min 30 s", 90.0, Ok(Some(1.0))),
             ("Exposure 1/20 s", 0.05, Ok(Some(1.0))),
             ("Exposure time in 10 ms", 5.0, unclear("10 ms")),
             ("(10 ms)", 5.0, unclear("10 ms")),
