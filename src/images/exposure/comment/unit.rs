@@ -112,7 +112,8 @@ impl Comment {
         let before = |quantity: &Quantity| text[..quantity.at.start].trim_end();
         let is_limit = |quantity: &&Quantity| {
             let before = before(quantity).trim_end_matches([' ', ':', '=', '.']);
-            lists(LIMITS, &last_word(before))
+            // In "1 min 30 s", "min" is a unit.
+            (lists(LIMITS, &last_word(before)) && all.iter().all(|other| other.at.end != before.len()))
                 || LIMIT_SIGNS.iter().any(|sign| before.ends_with(sign))
                 || text[quantity.at.end..].trim_start().starts_with("resolution")
         };
