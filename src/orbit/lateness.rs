@@ -4,6 +4,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// Delays up to this many sigmas of the widest Gaussian, without that of manoeuvres, are searched.
 const REACH_SIGMAS: f64 = 3.5;
+/// Steps of one sigma on both sides of the mean that represent a Gaussian.
+const REACH_STEPS: i32 = 4;
 /// Probabilities are lower limits where a larger share of delays than this is not searched.
 const LARGEST_SHARE_LEFT_OUT: f64 = 0.1;
 /// Probability within one sigma of a normal distribution.
@@ -180,6 +182,24 @@ impl Lateness {
         self.cumulative(high_s) - self.cumulative(low_s)
     }
 
+    /// Delays (seconds) with their probabilities that represent the searched part of the distribution. A Gaussian of at
+    /// least `step_s` is represented by delays one sigma apart, of which the first is shifted by `offset` sigmas, [0, 1);
+    /// a narrower one by its mean.
+    pub fn delays(&self, step_s: f64, offset: f64) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let reach_s = self.reach_s();
+        let of_part = move |(weight, sigma_s): (f64, f64)| {
+            let is_wide = sigma_s >= step_s;
+            // Σ φ(z) over points one sigma apart is 1 within 10⁻⁸, wherever the first point is.
+            let wide = (-REACH_STEPS..REACH_STEPS).map(move |step| {
+                let z = f64::from(step) + offset;
+                (z * sigma_s, weight * (-0.5 * z * z).exp() / TAU.sqrt())
+            });
+            let narrow = std::iter::once((0.0, weight)).filter(move |_| !is_wide);
+            narrow.chain(wide.filter(move |_| is_wide))
+        };
+        self.parts().flat_map(of_part).filter(move |(delay_s, _)| delay_s.abs() <= reach_s)
+    }
+
     /// Expected value of max(x - δ, 0), the integral of [`Lateness::cumulative`] up to x, seconds.
     pub fn cumulative_integral_s(&self, x_s: f64) -> f64 {
         let part = |(weight, sigma_s): (f64, f64)| {
@@ -239,6 +259,22 @@ mod tests {
         assert!(late.predicted_share(10.0, 2.0) < 0.15 && late.predicted_share(300.0, 2.0) > 0.9);
         assert_eq!(late.searched_share(), late.share(-129.5, 129.5));
         assert_eq!(Lateness::gaussian(0.0).searched_share(), 1.0);
+    }
+
+    #[test]
+    fn verif_delays_represent_the_searched_distribution() {
+        let lateness = Lateness::core_and_wings([(0.6, 0.4), (0.4, 4.0)], (0.2, 10.0));
+        for offset in [0.0, 0.3, 0.9] {
+            let delays: Vec<(f64, f64)> = lateness.delays(1.0, offset).collect();
+            let moment = |power: i32| delays.iter().map(|(late_s, share)| share * late_s.powi(power)).sum::<f64>();
+            let parts: Vec<(f64, f64)> = lateness.parts().collect();
+            // The narrow part is at 0, and delays beyond 3.5 sigmas, 2 % of the variance, are left out.
+            let variance = parts[1].0 * parts[1].1.powi(2) + parts[2].0 * parts[2].1.powi(2);
+            assert!((moment(0) - 1.0).abs() < 1e-3 && moment(1).abs() < 0.03, "{offset}: {delays:?}");
+            assert!((moment(2) / variance - 1.0).abs() < 0.03, "{offset}: {} {variance}", moment(2));
+            assert!(delays.iter().all(|(late_s, _)| late_s.abs() <= lateness.reach_s()));
+        }
+        assert_eq!(Lateness::gaussian(0.9).delays(1.0, 0.5).collect::<Vec<_>>(), [(0.0, 1.0)]);
     }
 
     #[test]

@@ -165,7 +165,7 @@ impl Sky {
         let uncertainty = self.uncertainty_of(element_index, propagator, epoch);
         let evaluator = PassEvaluator { sky: self, scene, line: &line, element_index, photometry, uncertainty };
         let here = site.as_ref().map(|[_, here, _]| here);
-        let Some(point) = evaluator.point_over(HALF_ARC_S, here) else { return Ok(None) };
+        let Some(point) = evaluator.point_over(HALF_ARC_S, 0.0, here) else { return Ok(None) };
 
         let [before, after] = [-RATE_STEP_S, RATE_STEP_S].map(|step_s| line.aspect_at(HALF_ARC_S + step_s).2);
         let step_s = 2.0 * RATE_STEP_S;

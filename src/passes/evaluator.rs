@@ -11,7 +11,7 @@ use super::viewpoint::Viewpoint;
 use crate::frames::{Gcrs, Position, seconds_after};
 use crate::geometry::{Illumination, ObserverState, ShadowModel, ViewingGeometry, ellipsoidal_height_km};
 use crate::math::minimum::minimum;
-use crate::orbit::OrbitUncertainty;
+use crate::orbit::{OrbitUncertainty, State};
 use crate::photometry::{Brightness, PhotometryOptions};
 
 /// Number of steps along a pass in the first search for shadow and peak.
@@ -52,15 +52,15 @@ impl PassEvaluator<'_> {
     /// Returns position and brightness at one time; `None` only if observer and satellite coincide.
     pub fn point(&self, time_s: f64) -> Option<TrackPoint> {
         let here = self.sky.viewpoint().site().map(|observer| observer.state(&self.scene.orientation.at_s(time_s)));
-        self.point_over(time_s, here.as_ref())
+        self.point_over(time_s, 0.0, here.as_ref())
     }
 
-    /// Returns the same as [`PassEvaluator::point`], given the state of the site at that time (`None` for an observer
-    /// in orbit).
-    pub fn point_over(&self, time_s: f64, here: Option<&ObserverState>) -> Option<TrackPoint> {
-        let (state, _, aspect) = self.line.aspect_at(time_s);
-        let (geometry, illumination, brightness) = self.light(time_s)?;
-        let brightness = brightness.map(|light| self.widened(time_s, light));
+    /// Returns the same as [`PassEvaluator::point`] for a satellite that is late by `late_s`, given the state of the site
+    /// at that time (`None` for an observer in orbit).
+    pub fn point_over(&self, time_s: f64, late_s: f64, here: Option<&ObserverState>) -> Option<TrackPoint> {
+        let (state, observer, aspect) = self.line.delayed_aspect(time_s, late_s);
+        let (geometry, illumination, brightness) = self.light_at(time_s, &state.position, &observer)?;
+        let brightness = brightness.map(|light| self.widened(time_s, &state, &observer, light));
         let horizontal = match here {
             Some(here) => Some(here.altitude_azimuth_rad(&aspect.geometric)?),
             None => None,
@@ -81,12 +81,8 @@ impl PassEvaluator<'_> {
 
     /// Returns the brightness, with a sigma that does not include the error of the position.
     pub fn brightness(&self, time_s: f64) -> Option<Brightness> {
-        self.light(time_s)?.2
-    }
-
-    fn light(&self, time_s: f64) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
         let (state, observer, _) = self.line.aspect_at(time_s);
-        self.light_at(time_s, &state.position, &observer)
+        self.light_at(time_s, &state.position, &observer)?.2
     }
 
     /// Returns viewing geometry, illumination and brightness of a satellite at a position.
@@ -108,14 +104,13 @@ impl PassEvaluator<'_> {
 
     /// Returns the brightness with an uncertainty that includes the error of the predicted position, which affects the
     /// range, the viewing geometry, and whether the satellite is in the Earth's shadow.
-    fn widened(&self, time_s: f64, light: Brightness) -> Brightness {
-        let (state, observer, _) = self.line.aspect_at(time_s);
+    fn widened(&self, time_s: f64, state: &State<Gcrs>, observer: &Position<Gcrs>, light: Brightness) -> Brightness {
         let (position, velocity) = (state.position.vector(), state.velocity.vector());
         let Some(across) = position.cross(velocity).try_normalize(0.0) else { return light };
         // Magnitude at a displaced position; in the shadow, the faintest magnitude that is considered.
         let faintest = light.magnitude.0 + MOST_GEOMETRY_SIGMA_MAG;
         let magnitude = |moved_km: Vector3<f64>| {
-            let lit = self.light_at(time_s, &Position::from_vector(position + moved_km), &observer);
+            let lit = self.light_at(time_s, &Position::from_vector(position + moved_km), observer);
             lit.and_then(|(_, _, light)| light).map_or(faintest, |light| light.magnitude.0.min(faintest))
         };
         let half_difference = |moved_km: Vector3<f64>| 0.5 * (magnitude(moved_km) - magnitude(-moved_km)).abs();

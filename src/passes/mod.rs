@@ -68,7 +68,7 @@ pub(crate) use measured::{LONGEST_PASS_GAP_S, read_measured};
 pub use models::ModelChoice;
 pub(crate) use predictability::Predictability;
 pub use sky::Sky;
-pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
+pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions, SnapshotPositions};
 pub use track::{Chord, Pass, TrackPoint};
 pub use viewpoint::{OrbitingObserver, Viewpoint};
 pub use visible_passes::{BrightnessLimit, NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest};

@@ -23,8 +23,26 @@ use crate::photometry::{Brightness, PhotometryOptions};
 const LONGEST_S: f64 = 3600.0;
 /// Largest number of times in one query.
 const MOST_TIMES: usize = 10_000;
+/// Standard deviation of the delay, seconds, up to which a satellite is on time.
+const ON_TIME_S: f64 = 1.0;
+/// Fractions of its multiples are evenly spaced: the delays of consecutive times lie between one another.
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// Smallest number of satellites per thread.
 const TOGETHER: usize = 16;
+
+/// Positions of a satellite in a query for snapshots. It is seen at a position above the lowest altitude if it is lit there,
+/// or if `include_dark` is true.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SnapshotPositions {
+    /// The predicted positions at which it is seen.
+    Predicted,
+    /// The predicted positions at all times, if it is seen at one of them.
+    WholeTrack,
+    /// The positions at which it may be seen, with probabilities: if the error of its time is more than a second, several
+    /// positions along its track for each time, which differ from time to time.
+    Possible,
+}
 
 /// Options of a query for snapshots.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -33,9 +51,8 @@ pub struct SnapshotOptions {
     pub min_altitude_rad: f64,
     /// If true, satellites in the umbra are included.
     pub include_dark: bool,
-    /// If true, a satellite that is above the altitude, and lit unless `include_dark` is true, at one of the times is
-    /// included at all times.
-    pub whole_tracks: bool,
+    /// Positions of each satellite.
+    pub positions: SnapshotPositions,
     /// Band, magnitude system and extinction. `None` omits the brightness of all points, which is several times faster.
     pub photometry: Option<PhotometryOptions>,
 }
@@ -43,7 +60,7 @@ pub struct SnapshotOptions {
 impl SnapshotOptions {
     /// Returns options for all satellites above an altitude (radians), lit or not, without brightness.
     pub fn all_above(min_altitude_rad: f64) -> Self {
-        Self { min_altitude_rad, include_dark: true, whole_tracks: false, photometry: None }
+        Self { min_altitude_rad, include_dark: true, positions: SnapshotPositions::Predicted, photometry: None }
     }
 }
 
@@ -65,6 +82,8 @@ pub struct SatelliteTrack {
 pub struct SatelliteSnapshot {
     /// Index of the time in the query.
     pub time_index: usize,
+    /// Probability of the position; 1 for predicted positions.
+    pub probability: f64,
     /// Position and brightness.
     pub point: TrackPoint,
     /// Angular speed relative to the stars, rad/s.
@@ -91,6 +110,13 @@ struct SiteAt {
     here: ObserverState,
 }
 
+/// Possible position of a satellite at one of the times of a query.
+struct PossibleAt {
+    time_index: usize,
+    late_s: f64,
+    probability: f64,
+}
+
 impl Sky {
     /// Finds all satellites that are above an altitude at any of the times `times_s` (seconds after `start`, from 0 to
     /// an hour, in increasing order), on all threads. Returns their tracks in catalogue order, and the satellites
@@ -111,7 +137,11 @@ impl Sky {
         let (Some(&first_s), Some(&last_s)) = (times_s.first(), times_s.last()) else {
             return Ok((Vec::new(), Vec::new()));
         };
-        let scene = self.scene(start, last_s, SearchScope::Nominal)?;
+        let scope = match options.positions {
+            SnapshotPositions::Possible => SearchScope::Delayed,
+            SnapshotPositions::Predicted | SnapshotPositions::WholeTrack => SearchScope::Nominal,
+        };
+        let scene = self.scene(start, last_s, scope)?;
         let site_at = |&time_s: &f64| SiteAt { time_s, here: observer.state(&scene.orientation.at_s(time_s)) };
         let times: Vec<SiteAt> = times_s.iter().map(site_at).collect();
         // The sky above the altitude is searched as one circular field around the zenith at the middle time. Its radius
@@ -226,38 +256,49 @@ impl Sky {
         let uncertainty = self.uncertainty_of(element_index, propagator, seconds_after(scene.start, mid_s));
         let near_arc = arc(from_s, to_s)?;
         let near_line = SightLine { arc: &near_arc, observer };
-        let near =
-            times.partition_point(|time| time.time_s < from_s)..times.partition_point(|time| time.time_s <= to_s);
         let lowest = options.min_altitude_rad.sin();
-        let is_selected = |time: &SiteAt| {
-            let (state, _, aspect) = near_line.aspect_at(time.time_s);
-            let sun = || scene.sun.at_s(time.time_s).sun;
+        let is_near = |place: &PossibleAt| (from_s..=to_s).contains(&(times[place.time_index].time_s - place.late_s));
+        let is_seen = |place: &PossibleAt| {
+            let SiteAt { time_s, here } = &times[place.time_index];
+            let (state, _, aspect) = near_line.delayed_aspect(*time_s, place.late_s);
+            let sun = || scene.sun.at_s(*time_s).sun;
             let is_lit = || self.shadow().illumination(&state.position, &sun()).is_lit();
-            time.here.sine_of_altitude(&aspect.geometric) >= lowest && (options.include_dark || is_lit())
+            here.sine_of_altitude(&aspect.geometric) >= lowest && (options.include_dark || is_lit())
         };
-        let mut seen = near.filter(|&index| is_selected(&times[index])).peekable();
+        let predicted = |time_index| PossibleAt { time_index, late_s: 0.0, probability: 1.0 };
+        let possible = |time_index: usize| {
+            let delays = uncertainty.lateness.delays(ON_TIME_S, (time_index as f64 * GOLDEN_RATIO).fract());
+            delays.map(move |(late_s, probability)| PossibleAt { time_index, late_s, probability })
+        };
+        let all = 0..times.len();
+        let places: Vec<PossibleAt> = match options.positions {
+            SnapshotPositions::Possible => all.flat_map(possible).collect(),
+            SnapshotPositions::Predicted | SnapshotPositions::WholeTrack => all.map(predicted).collect(),
+        };
+        let mut seen = places.iter().filter(|place| is_near(place) && is_seen(place)).peekable();
         if seen.peek().is_none() {
             return Ok(None);
         }
-        let points_on = |line: &SightLine<'_>, indices: &mut dyn Iterator<Item = usize>| {
+        let points_on = |line: &SightLine<'_>, places: &mut dyn Iterator<Item = &PossibleAt>| {
             let photometry = options.photometry.as_ref();
             let evaluator = PassEvaluator { sky: self, scene, line, element_index, photometry, uncertainty };
-            let snapshot = |index: usize| {
-                let time_s = times[index].time_s;
-                let sight = line.sight(time_s);
+            let snapshot = |&PossibleAt { time_index, late_s, probability }: &PossibleAt| {
+                let SiteAt { time_s, here } = &times[time_index];
+                let sight = line.delayed_sight(*time_s, late_s);
                 Some(SatelliteSnapshot {
-                    time_index: index,
-                    point: evaluator.point_over(time_s, Some(&times[index].here))?,
+                    time_index,
+                    probability,
+                    point: evaluator.point_over(*time_s, late_s, Some(here))?,
                     // ω = |ŝ × dŝ/dt|
                     angular_rate_rad_s: sight.vector.cross(&sight.rate_s).norm(),
                 })
             };
-            indices.filter_map(snapshot).collect::<Vec<_>>()
+            places.filter_map(snapshot).collect::<Vec<_>>()
         };
-        let snapshots = if options.whole_tracks {
+        let snapshots = if options.positions == SnapshotPositions::WholeTrack {
             let whole = arc(all_s[0], all_s[1])?;
             let line = SightLine { arc: &whole, observer: near_line.observer.clone() };
-            points_on(&line, &mut (0..times.len()))
+            points_on(&line, &mut places.iter())
         } else {
             points_on(&near_line, &mut seen)
         };

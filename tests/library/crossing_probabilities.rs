@@ -10,7 +10,10 @@ use streakcast::elements::{Constellation, ElementSet, Origin};
 use streakcast::frames::{Direction, EopTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::{DragModel, OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
-use streakcast::passes::{CrossingProbability, Exposure, Field, ModelChoice, Pass, PassOptions, Sky, TrackPoint};
+use streakcast::passes::{
+    CrossingProbability, Exposure, Field, ModelChoice, Pass, PassOptions, SatelliteSnapshot, Sky, SnapshotOptions,
+    SnapshotPositions, TrackPoint,
+};
 use streakcast::photometry::ModelLibrary;
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
@@ -133,6 +136,52 @@ fn verif_probabilities_of_station_keeping_satellites() {
         })
         .collect();
     compare("station keeping, 7 d", &exposures, &field, sums(&found), skies.iter());
+}
+
+/// Streak lengths in a field as sums over the possible positions of the satellites, with elements of a day, a week and three
+/// weeks.
+///
+/// Tolerances: 6 % of the sum, and a correlation of 0.95 between exposures, for steps of a second, in which a satellite
+/// moves by up to 1 deg.
+#[test]
+fn verif_possible_positions_have_the_expected_streak_lengths() {
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let mut draws = Random(20_261_130);
+    for (age_days, drag) in
+        [(1.0, DragModel::Published), (7.0, DragModel::StationKeeping), (20.0, DragModel::Published)]
+    {
+        let exposures = exposures(start, 240, &mut draws);
+        let sky = sky(published(age_days, exposures[120].start, 1584)).with_drag(drag);
+        let probabilities = sky.crossing_probabilities(&exposures, &field).expect("probabilities");
+        let expected: Vec<f64> =
+            probabilities.iter().map(|found| found.iter().map(|one| one.streak_length_rad).sum()).collect();
+        let times_s: Vec<f64> = (0..30).map(|second| f64::from(second) + 0.5).collect();
+        let options = SnapshotOptions {
+            include_dark: false,
+            positions: SnapshotPositions::Possible,
+            ..SnapshotOptions::all_above(0.1)
+        };
+        let summed = exposures.iter().map(|exposure| {
+            let (tracks, _) = sky.snapshots(exposure.start, &times_s, &options).expect("snapshots");
+            let is_inside = |one: &&SatelliteSnapshot| {
+                one.point.direction.separation_rad(&exposure.pointing) < 1.75f64.to_radians()
+            };
+            let inside = tracks.iter().flat_map(|track| &track.snapshots).filter(is_inside);
+            inside.map(|one| one.probability * one.angular_rate_rad_s).sum::<f64>()
+        });
+        let summed: Vec<f64> = summed.collect();
+        let (sum, total) = (summed.iter().sum::<f64>(), expected.iter().sum::<f64>());
+        assert!(total > 0.1 && (sum / total - 1.0).abs() < 0.06, "{age_days} d: {sum} {total}");
+        let product = |one: &[f64], other: &[f64]| {
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+            let (here, there) = (mean(one), mean(other));
+            one.iter().zip(other).map(|(x, y)| (x - here) * (y - there)).sum::<f64>()
+        };
+        let squares = product(&summed, &summed) * product(&expected, &expected);
+        let correlation = product(&summed, &expected) / squares.sqrt();
+        assert!(correlation > 0.95, "{age_days} d: {correlation}");
+    }
 }
 
 /// Half a year after the elements, only delays up to 300 s are searched: the expected number is that of the draws times

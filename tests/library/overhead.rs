@@ -7,7 +7,7 @@ use streakcast::config::Config;
 use streakcast::frames::{Direction, Horizontal, Position, seconds_after};
 use streakcast::geometry::{Observer, Site, SunTable, ellipsoidal_height_km};
 use streakcast::orbit::Propagator;
-use streakcast::passes::{Field, SatelliteTrack, Sky, SnapshotOptions, VisiblePass, VisibleRequest};
+use streakcast::passes::{Field, SatelliteTrack, Sky, SnapshotOptions, SnapshotPositions, VisiblePass, VisibleRequest};
 use streakcast::photometry::PhotometryOptions;
 
 /// Largest difference of two heights, km. A satellite moves by 0.03 km while its light travels, and the tables of the
@@ -75,7 +75,8 @@ fn verif_whole_tracks_contain_all_times_of_the_same_satellites() {
     let times_s: Vec<f64> = (0..7).map(|step| 100.0 * f64::from(step)).collect();
     let photometry = Some(PhotometryOptions::default());
     let parts = SnapshotOptions { photometry, ..options(0.5, false) };
-    let (tracks, _) = sky.snapshots(at, &times_s, &SnapshotOptions { whole_tracks: true, ..parts }).unwrap();
+    let (tracks, _) =
+        sky.snapshots(at, &times_s, &SnapshotOptions { positions: SnapshotPositions::WholeTrack, ..parts }).unwrap();
     let (partial, _) = sky.snapshots(at, &times_s, &parts).unwrap();
     assert!(tracks.len() > 50 && partial.iter().any(|one| one.snapshots.len() < times_s.len()));
     assert_eq!(tracks.len(), partial.len());

@@ -12,7 +12,9 @@ use streakcast::config::{Config, PreparedSky};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::output::{Column, Table};
-use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
+use streakcast::passes::{
+    Exposure, Field, Pass, PassOptions, SatelliteSnapshot, SatelliteTrack, SnapshotOptions, SnapshotPositions,
+};
 use streakcast::photometry::{Brightness, PhotometryOptions};
 use streakcast::schedule::{
     Blocking, BrightStreaks, ClearWindow, FlagReport, FlagRequest, FlagTotals, Policy, ScheduledExposure,
@@ -351,7 +353,7 @@ impl Engine {
     /// probability of being brighter than each value of `limits_mag`, `(n_rows, n_limits)`, and of leaving a bright
     /// streak in exposures in `band`.
     #[allow(clippy::too_many_arguments)]
-    #[pyo3(signature = (jd1, jd2, seconds, min_altitude_deg, include_dark, light, limits_mag=Vec::new(), band=None))]
+    #[pyo3(signature = (jd1, jd2, seconds, min_altitude_deg, include_dark, light, possible, limits_mag=Vec::new(), band=None))]
     fn overhead<'py>(
         &self,
         py: Python<'py>,
@@ -361,6 +363,7 @@ impl Engine {
         min_altitude_deg: f64,
         include_dark: Option<bool>,
         light: bool,
+        possible: bool,
         limits_mag: Vec<f64>,
         band: Option<&str>,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
@@ -373,7 +376,7 @@ impl Engine {
         let options = SnapshotOptions {
             min_altitude_rad: min_altitude_deg.to_radians(),
             include_dark: self.includes_dark(include_dark) || self.photometry.band.is_thermal(),
-            whole_tracks: false,
+            positions: if possible { SnapshotPositions::Possible } else { SnapshotPositions::Predicted },
             photometry: None,
         };
         let of_light = LightRequest { is_computed: light, limits_mag: &limits_mag, band };
@@ -384,6 +387,7 @@ impl Engine {
         result.set_item("moment", rows.moment.into_pyarray(py))?;
         result.set_item("norad_id", rows.norad_id.into_pyarray(py))?;
         result.set_item("direction", reals(rows.direction).reshape([rows.range_km.len(), 3])?)?;
+        result.set_item("probability", reals(rows.probability))?;
         result.set_item("range_km", reals(rows.range_km))?;
         result.set_item("angular_rate_deg_s", reals(rows.rate_deg_s))?;
         result.set_item("lost_width_arcsec", reals(rows.lost_width_arcsec))?;
@@ -402,6 +406,8 @@ struct SkyRows {
     norad_id: Vec<i64>,
     /// Unit vectors, three components per row.
     direction: Vec<f64>,
+    /// Probability of the position.
+    probability: Vec<f64>,
     range_km: Vec<f64>,
     rate_deg_s: Vec<f64>,
     lost_width_arcsec: Vec<f64>,
@@ -479,6 +485,7 @@ impl Engine {
                 rows.moment.push(snapshot.time_index as i64);
                 rows.norad_id.push(i64::from(track.norad_id.0));
                 rows.direction.extend(snapshot.point.direction.vector().iter());
+                rows.probability.push(snapshot.probability);
                 rows.range_km.push(range_km);
                 rows.rate_deg_s.push(middle.angular_rate_rad_s.to_degrees());
                 rows.lost_width_arcsec.push(lost_width_arcsec);

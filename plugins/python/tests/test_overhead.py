@@ -57,6 +57,22 @@ def test_satellites_in_a_field_are_those_that_cross_it(wide):
     assert min(widths) >= 1.0 and np.allclose(widths, widths[0], rtol=1e-4)
 
 
+def test_possible_positions(data):
+    """With elements a week old, satellites are given at several positions along their tracks."""
+    model = streakcast.StreakModel(site="Rubin Observatory", elements=str(data / "tle" / "active" / "active_2026-04-25.txt"))
+    predicted, possible = (model.overhead("2026-05-02T23:30:00Z", min_altitude=20.0, light=False, possible=one) for one in (False, True))
+    assert (predicted.probability == 1.0).all() and (possible.probability < 1.0).any()
+    norad_ids, several, counts = np.unique(possible.norad_id, return_inverse=True, return_counts=True)
+    sums = np.bincount(several, weights=possible.probability)
+    # The probabilities of a satellite add up to 1, less those of delays beyond the searched ones and of positions out of sight.
+    assert sums.max() <= 1.0 + 1e-6 and np.median(sums) > 0.95 and counts.max() > 10
+    assert np.isclose(sums.sum(), predicted.norad_id.size, rtol=0.1)
+    # Several positions of one satellite are on a line, its track.
+    for norad_id in norad_ids[counts > 3][:20]:
+        values = np.linalg.svd(possible.direction[possible.norad_id == norad_id], compute_uv=False)
+        assert values[2] < 0.05 * values[0]
+
+
 def test_bright_streaks_are_those_of_the_cost(wide):
     """The probability of a bright streak of a satellite in the field gives the cost of its pass."""
     up = wide.overhead(START, 0.0, min_altitude=0.0)

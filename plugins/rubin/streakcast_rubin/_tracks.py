@@ -22,7 +22,7 @@ Value = TypeVar("Value")
 
 
 class Samples(NamedTuple):
-    """Lit satellites at sampled times, one row per satellite and time."""
+    """Lit satellites at sampled times, one row per position and time."""
 
     #: Directions, ICRS, ``(n, 3)``.
     direction: FloatArray
@@ -79,11 +79,11 @@ class Sky:
         """Radius of a circle with the area of the field."""
         return float(np.sqrt((self.model.field_area_deg2 or np.nan) / np.pi))
 
-    def sample(self, start_mjd: float, seconds: FloatArray, min_altitude_deg: float) -> Samples:
-        """Computes the satellites above an altitude at times after a start."""
+    def sample(self, start_mjd: float, seconds: FloatArray, min_altitude_deg: float, *, possible: bool) -> Samples:
+        """Computes the satellites above an altitude at times after a start, at their possible or predicted positions."""
         costs, diameter_deg = self.costs, 2.0 * self.radius_deg
         found = self.model.overhead(
-            start_mjd, seconds, min_altitude=min_altitude_deg, limit_mag=() if costs.limit_mag is None else costs.limit_mag,
+            start_mjd, seconds, min_altitude=min_altitude_deg, possible=possible, limit_mag=() if costs.limit_mag is None else costs.limit_mag,
             band=self.band, scale=self.scale,
         )  # fmt: skip
         p_above = found.p_brighter.max(axis=1, initial=0.0)
@@ -95,7 +95,7 @@ class Sky:
             + np.maximum(found.q_bright - p_above, 0.0) * costs.bright_share / diameter_deg
             + p_above * max(1.0, costs.bright_share) / mean_length_deg
         )
-        return Samples(found.direction, found.moment, share_per_deg * found.angular_rate_deg_s)
+        return Samples(found.direction, found.moment, found.probability * share_per_deg * found.angular_rate_deg_s)
 
     def cost_s(self, share: FloatArray) -> FloatArray:
         """Returns the cost of visits, seconds of open shutter, for the sum of the shares of all satellites."""

@@ -12,7 +12,7 @@ from rubin_scheduler.scheduler.basis_functions import BaseBasisFunction
 from streakcast import StreakModel
 from streakcast.hosts import Hook
 
-from ._arrays import FloatArray
+from ._arrays import FloatArray, SingleArray
 from ._candidates import OPEN_SHARE
 from ._checks import BANDS, at_least
 from ._costs import JITTER_S, with_costs
@@ -26,8 +26,8 @@ LOWEST_DEG = 20.0
 
 #: Map of visits that start now: interval between samples, number of samples in a cached time slot, and number of cached
 #: slots (ten minutes).
-STEP_S = 2.0
-STEPS = 20
+STEP_S = 1.0
+STEPS = 40
 SLOT_S = STEPS * STEP_S
 CACHED_SLOTS = 15
 
@@ -106,7 +106,7 @@ class StreakCostBasisFunction(BaseBasisFunction):
         self._clear_caches()
 
     def _clear_caches(self) -> None:
-        self._slots: Cache[FloatArray] = Cache(CACHED_SLOTS)
+        self._slots: Cache[SingleArray] = Cache(CACHED_SLOTS)
         self._ahead: Cache[FloatArray] = Cache(CACHED_MAPS)
         #: Night, fields of the survey, and field index of each cell, if the survey has not yet rotated its fields for
         #: the night.
@@ -153,7 +153,7 @@ class StreakCostBasisFunction(BaseBasisFunction):
         share_per_s = np.zeros(CELLS)
         for start_mjd in (slot * AHEAD_STEP_MIN + later_min) / 1440.0:
             # The discs of the lowest visits reach below the smallest altitude.
-            samples = sky.sample(start_mjd, np.zeros(1), LOWEST_DEG - DISC_DEG)
+            samples = sky.sample(start_mjd, np.zeros(1), LOWEST_DEG - DISC_DEG, possible=False)
             cells = hp.vec2pix(NSIDE, *samples.direction.T)
             share_per_s += np.bincount(cells, weights=samples.share_per_s, minlength=CELLS)
         in_disc, sizes = discs(DISC_DEG)
@@ -230,7 +230,7 @@ class StreakCostBasisFunction(BaseBasisFunction):
             cumulative = self._slots.get((sky.model, pointings), (number, costs))
             if cumulative is None:
                 seconds = np.arange(0.0, SLOT_S, STEP_S)
-                samples = sky.sample(number * SLOT_S / 86_400.0, seconds, LOWEST_DEG - radius_deg)
+                samples = sky.sample(number * SLOT_S / 86_400.0, seconds, LOWEST_DEG - radius_deg, possible=True)
                 cumulative = self._slots.put((number, costs), _shares(samples, pointings, radius_deg))
             since, until = (np.clip(step - number * STEPS, 0, STEPS) for step in (first, end))
             share += cumulative.take(until * n + of_cell) - cumulative.take(since * n + of_cell)
@@ -240,7 +240,7 @@ class StreakCostBasisFunction(BaseBasisFunction):
         return cost
 
 
-def _shares(samples: Samples, pointings: Pointings, radius_deg: float) -> FloatArray:
+def _shares(samples: Samples, pointings: Pointings, radius_deg: float) -> SingleArray:
     """Returns the cumulative share lost at each pointing before each step of a slot: ``(STEPS + 1, n_pointings)``."""
     n = len(pointings.centres)
     nearby = pointings.near[hp.vec2pix(NSIDE, *samples.direction.T)]
@@ -248,4 +248,4 @@ def _shares(samples: Samples, pointings: Pointings, radius_deg: float) -> FloatA
     row, column = np.nonzero((cosine >= np.cos(np.radians(radius_deg))) & (nearby >= 0))
     cell = (samples.moment[row] + 1) * n + nearby[row, column]
     share = np.bincount(cell, weights=STEP_S * samples.share_per_s[row], minlength=(STEPS + 1) * n)
-    return np.asarray(np.cumsum(share.reshape(STEPS + 1, n), axis=0), dtype=float)
+    return np.cumsum(share.reshape(STEPS + 1, n), axis=0).astype(np.float32)

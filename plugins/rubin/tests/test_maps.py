@@ -51,7 +51,7 @@ def assessed_s(model, target, conditions, cells, **options):
 
 
 def agree(found, expected):
-    """The same costs, except that chords are sums of steps of 2 s, and magnitudes those of slots of 40 s."""
+    """The same costs, except that chords are sums of steps of a second, and magnitudes those of slots of 40 s."""
     assert expected.mean() > 0.02
     assert found.mean() == pytest.approx(expected.mean(), rel=0.2)
     assert np.corrcoef(found, expected)[0, 1] >= 0.92
@@ -96,7 +96,7 @@ def test_costs_of_later_visits_are_those_of_the_model(conditions, models, monkey
     [(0.75, 1.0, 6.4, 1.9, 3.1), (0.75, 0.0, 6.4, 0.01, 0.05), (15.04 / 3600.0, 1.0, 1.6, 0.05, 0.1)],
 )
 def test_costs_of_single_satellites(rate_deg_s, q_bright, width_arcsec, least, most, conditions, model, monkeypatch):
-    """A satellite that passes through the centre of a cell; its chord of 3.5 deg is a sum of steps of 1.5 deg."""
+    """A satellite that passes through the centre of a cell; its chord of 3.5 deg is a sum of steps of 0.75 deg."""
     cell = int(np.nanargmin(np.where(conditions.alt > np.radians(30.0), conditions.slewtime, np.nan)))
     opens_mjd = float(conditions.mjd + conditions.slewtime[cell] / 86_400.0)
     ra, dec = (float(one) for one in _hpid2_ra_dec(32, cell))
@@ -108,7 +108,7 @@ def test_costs_of_single_satellites(rate_deg_s, q_bright, width_arcsec, least, m
         direction = np.column_stack([np.cos(angle) * np.cos(ra), np.cos(angle) * np.sin(ra), np.sin(angle)])
         ones = np.ones(n)
         return streakcast.Overhead(
-            moment=np.arange(n), norad_id=np.ones(n, dtype=int), direction=direction, range_km=550.0 * ones,
+            moment=np.arange(n), norad_id=np.ones(n, dtype=int), direction=direction, probability=ones, range_km=550.0 * ones,
             angular_rate_deg_s=rate_deg_s * ones, lost_width_arcsec=width_arcsec * ones, magnitude=5.0 * ones,
             p_brighter=np.ones((n, 0)), q_bright=q_bright * ones,
         )  # fmt: skip

@@ -267,6 +267,7 @@ class Engine:
         min_altitude_deg: float,
         include_dark: Optional[bool],
         light: bool,
+        possible: bool,
         limits_mag: list[float] = ...,
         band: Optional[str] = None,
     ) -> tuple[OverheadRows, list[str]]: ...

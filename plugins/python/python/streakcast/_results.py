@@ -100,7 +100,8 @@ class ClearWindows(NamedTuple):
 
 
 class Overhead(NamedTuple):
-    """Satellites above a site: one row per satellite and time, grouped by satellite, in time order.
+    """Satellites above a site: one row per satellite and time, or per possible position, grouped by satellite, in time
+    order.
 
     Fields have the shape ``(n_rows,)`` if not stated.
     """
@@ -111,6 +112,8 @@ class Overhead(NamedTuple):
     norad_id: WholeArray
     #: Direction as a unit vector, ICRS, astrometric topocentric, ``(n_rows, 3)``.
     direction: FloatArray
+    #: Probability of this position at this time; 1 without ``possible=True``.
+    probability: FloatArray
     #: Range, km. This and the next columns are computed for the middle row of each satellite, and repeated in its other
     #: rows.
     range_km: FloatArray

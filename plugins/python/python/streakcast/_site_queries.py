@@ -147,6 +147,7 @@ class SiteQueries(ModelState):
         min_altitude: FloatLike = 10.0,
         include_dark: bool | None = None,
         light: bool = True,
+        possible: bool = False,
         limit_mag: FloatArrayLike = (),
         band: str | None = None,
         scale: str | None = None,
@@ -166,6 +167,10 @@ class SiteQueries(ModelState):
             configuration file, or else `False`.
         light : bool
             Whether magnitudes are computed; for models made of panels this takes some microseconds per satellite.
+        possible : bool
+            Whether a satellite whose time is uncertain by more than a second (standard deviation) is given at several
+            possible positions along its track, one sigma apart, with their probabilities. They differ from time to time,
+            so that sums over many times represent all delays.
         limit_mag : float, array or `~astropy.units.Quantity`, ``(n_limits,)``
             Magnitude limits for the probabilities ``p_brighter``; they require ``light``.
         band : str, optional
@@ -198,7 +203,7 @@ class SiteQueries(ModelState):
         if limits and not light:
             raise ValueError("limit_mag is given with light=False; allowed: with light=True")
         is_dark = None if include_dark is None else bool(include_dark)
-        result, warnings = self._engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, is_dark, bool(light), limits, band)
+        result, warnings = self._engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, is_dark, bool(light), bool(possible), limits, band)
         self._warn_once(warnings)
         return Overhead(**result)
 

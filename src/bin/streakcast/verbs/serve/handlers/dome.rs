@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use streakcast::frames::seconds_after;
 use streakcast::maps::{Earth, Grid, SkyView};
-use streakcast::passes::{SatelliteTrack, SnapshotOptions};
+use streakcast::passes::{SatelliteTrack, SnapshotOptions, SnapshotPositions};
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
@@ -71,7 +71,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let options = SnapshotOptions {
         min_altitude_rad,
         include_dark: state.pass_options(0).include_dark || photometry.band.is_thermal(),
-        whole_tracks: true,
+        positions: SnapshotPositions::WholeTrack,
         photometry: Some(photometry),
     };
     let (tracks, left_out) = state.sky().snapshots(start, &times_s, &options)?;

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use streakcast::frames::{Direction, epoch_from_jd, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::LeftOut;
-use streakcast::passes::{Exposure, Field, Pass, PassOptions, Sky, SnapshotOptions};
+use streakcast::passes::{Exposure, Field, Pass, PassOptions, Sky, SnapshotOptions, SnapshotPositions};
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, TRUTH, number, optional, required};
@@ -224,7 +224,7 @@ pub fn above(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let options = SnapshotOptions {
         min_altitude_rad: query.number("min_altitude").unwrap_or_default().to_radians(),
         include_dark: !query.truth("illuminated_only").unwrap_or(false),
-        whole_tracks: false,
+        positions: SnapshotPositions::Predicted,
         photometry: Some(state.plan.photometry),
     };
     let (tracks, left_out) = sky.snapshots(at, &[0.0], &options)?;
