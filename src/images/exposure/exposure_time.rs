@@ -410,8 +410,8 @@ fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
     let card = keywords.cards().find(|card| match card.value() {
         None => REMARKS.contains(&card.keyword().as_str()) && Comment::new(&card.remark_text()).is_about_times(),
         Some(CardValue::Integer(_) | CardValue::Real(_)) => {
-            let is_error = TIME_ERRORS.contains(&card.keyword().as_str())
-                || Comment::new(&card.comment()).is_of_clock_error();
+            let is_error =
+                TIME_ERRORS.contains(&card.keyword().as_str()) || Comment::new(&card.comment()).is_of_clock_error();
             is_error && keywords.number(&[&card.keyword()], |number| number.abs() > START_SLACK_S).is_some()
         }
         _ => false,

@@ -252,7 +252,8 @@ impl Reader<'_> {
             }
             DateText::Unclear if self.instants.unclear.is_none() => {
                 let given = format!("the ambiguous date {value:?}");
-                self.instants.unclear = Some(Error::invalid(from, given, "yyyy-mm-dd (dd/mm/yy until 1999), or --start"));
+                self.instants.unclear =
+                    Some(Error::invalid(from, given, "yyyy-mm-dd (dd/mm/yy until 1999), or --start"));
             }
             DateText::Unclear => {}
             DateText::Unreadable => {

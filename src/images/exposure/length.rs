@@ -373,7 +373,8 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
             && !comment.has(OF_SERIES)
     };
     let is_total_name = |name: &str| {
-        TOTALS.iter().any(|total| name.starts_with(total) || name.ends_with(total)) && (name.contains("EXP") || name.contains("TIM"))
+        TOTALS.iter().any(|total| name.starts_with(total) || name.ends_with(total))
+            && (name.contains("EXP") || name.contains("TIM"))
     };
     let is_true = |name: &str, comment: &Comment| {
         TRUE_TIMES.iter().any(|known| is_spelling(known, name))

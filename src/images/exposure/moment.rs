@@ -67,13 +67,19 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
         (Some(a), Some(b), Some(c)) => format!("{a}{sign}{b}{sign}{c}"),
         _ => text.to_owned(),
     };
-    let day = if day.len() == 8 && is_digits(day) { format!("{}{}", &day[..2], split(&day[2..], '-')) } else { day.to_owned() };
-    let time = time.map(|time| if time.len() >= 6 && is_digits(&time[..6]) { split(time, ':') } else { time.to_owned() });
+    let day = if day.len() == 8 && is_digits(day) {
+        format!("{}{}", &day[..2], split(&day[2..], '-'))
+    } else {
+        day.to_owned()
+    };
+    let time =
+        time.map(|time| if time.len() >= 6 && is_digits(&time[..6]) { split(time, ':') } else { time.to_owned() });
     // "2026:08:22" (AAT, EXIF)
     let is_with_colons = day.find(':') == Some(4);
     let parts: Vec<&str> = day.split(|c| matches!(c, '-' | '/' | '.') || (c == ':' && is_with_colons)).collect();
     let &[first, middle, last] = &parts[..] else { return DateText::Unreadable };
-    let named = MONTHS.split(' ').position(|month| middle.get(..3).is_some_and(|name| name.eq_ignore_ascii_case(month)));
+    let named =
+        MONTHS.split(' ').position(|month| middle.get(..3).is_some_and(|name| name.eq_ignore_ascii_case(month)));
     let number = |text: &str| text.parse::<u32>().ok().filter(|_| text.len() <= 4 && is_digits(text));
     let middle = named.map(|month| month as u32 + 1).or_else(|| number(middle));
     let (Some(a), Some(b), Some(c)) = (number(first), middle, number(last)) else { return DateText::Unreadable };

@@ -91,7 +91,8 @@ impl HeaderTerms {
         if projection_code == "TAN"
             && !is_scamp
             && pixel_distortion.is_none()
-            && let Some(m) = (0..5).find(|m| pv(latitude_axis, *m).is_some_and(|term| term != 0.0 && (*m, term) != (1, 1.0)))
+            && let Some(m) =
+                (0..5).find(|m| pv(latitude_axis, *m).is_some_and(|term| term != 0.0 && (*m, term) != (1, 1.0)))
         {
             let what = format!("PV{}_{m}", latitude_axis + 1);
             let allowed = "no parameters of TAN on this axis; CTYPE TPV for a distortion";

@@ -29,7 +29,8 @@ impl Comment {
         // "local time converted to UTC", "UTC = local + 7 h"
         let before_sign = self.text.split_once('=').map(|(before, _)| Self::new(before));
         if (self.has("converted") && self.has_pair("to into", UNIVERSAL))
-            || before_sign.is_some_and(|name| name.words().next().is_some() && name.words().all(|word| lists(UNIVERSAL, word)))
+            || before_sign
+                .is_some_and(|name| name.words().next().is_some() && name.words().all(|word| lists(UNIVERSAL, word)))
         {
             return false;
         }

@@ -14,10 +14,7 @@ const PERIODS: &str = "block blocks ob sequence sequences series night run sessi
 const PHRASES: &[(Role, &[&str])] = &[
     // The end minus the exposure time
     (Role::Start, &["-exptime", "-texp", "-t_exp", "-xposure", "minusexp"]),
-    (
-        Role::Middle,
-        &["50%of", "50%exp", "end)/2", "stop)/2", "metaposa", "metaesposizione"],
-    ),
+    (Role::Middle, &["50%of", "50%exp", "end)/2", "stop)/2", "metaposa", "metaesposizione"]),
     (Role::End, &["+exp", "+texp", "+t_exp", "+xposure", "plusexp", "fineesposizione", "finedell", "fineposa"]),
 ];
 /// Beginnings of names of the exposure time in formulas, and a half of it before and after such a name.
@@ -115,8 +112,7 @@ impl Comment {
         let of_others = others_from.is_some();
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
         let phrase = PHRASES.iter().find(|(role, list)| {
-            (*role != Role::End || !of_others || is_sum(&joined))
-                && list.iter().any(|phrase| joined.contains(phrase))
+            (*role != Role::End || !of_others || is_sum(&joined)) && list.iter().any(|phrase| joined.contains(phrase))
         });
         let mut stated: Vec<Role> = phrase.map(|(role, _)| *role).into_iter().collect();
         if has_half(&joined) {

@@ -67,7 +67,9 @@ impl Comment {
         if let Some((unit, _)) = self.text.trim_start().strip_prefix('[').and_then(|rest| rest.split_once(']'))
             && unit.bytes().any(|byte| byte.is_ascii_alphabetic())
         {
-            return seconds_in(without_divisors(unit).trim()).map(Some).ok_or_else(|| format!("the unit [{}]", unit.trim()));
+            return seconds_in(without_divisors(unit).trim())
+                .map(Some)
+                .ok_or_else(|| format!("the unit [{}]", unit.trim()));
         }
         // "milli-seconds" and "minute(s)" are one word.
         let mut lower = self.text.to_ascii_lowercase();

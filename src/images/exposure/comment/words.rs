@@ -112,7 +112,8 @@ impl Comment {
             let words = clause.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
             let mut words: Vec<String> = words.flat_map(parts_of_word).map(str::to_owned).collect();
             for phrase in OTHER_MEANINGS {
-                let is_word = |at: usize, word: &str| words.get(at).is_some_and(|other| other.eq_ignore_ascii_case(word));
+                let is_word =
+                    |at: usize, word: &str| words.get(at).is_some_and(|other| other.eq_ignore_ascii_case(word));
                 let is_phrase = |at: &usize| phrase.split(' ').enumerate().all(|(next, word)| is_word(at + next, word));
                 if let Some(at) = (0..words.len()).find(is_phrase) {
                     words.drain(at..at + phrase.split(' ').count());
