@@ -56,8 +56,12 @@ const MONTHS: &str = "jan feb mar apr may jun jul aug sep oct nov dec";
 /// order, as `22.08.2026` and `22-Aug-2026`.
 pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     let (text, offset_s) = without_offset(text);
-    let is_separator = |at: &usize| matches!(text.as_bytes()[*at], b'T' | b't' | b' ' | b'_') && *at >= 8;
-    let (day, time) = match (0..text.len()).find(is_separator) {
+    // Not the T in "Oct".
+    let is_separator = |at: &usize| match text.as_bytes()[*at] {
+        b'T' | b't' => text.as_bytes()[at - 1].is_ascii_digit(),
+        mark => mark == b' ' || mark == b'_',
+    };
+    let (day, time) = match (1..text.len()).find(is_separator) {
         Some(at) => (&text[..at], Some(text[at + 1..].trim())),
         None => (text, None),
     };
@@ -72,8 +76,7 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     } else {
         day.to_owned()
     };
-    let time =
-        time.map(|time| if time.len() >= 6 && is_digits(&time[..6]) { split(time, ':') } else { time.to_owned() });
+    let time = time.map(|time| if time.get(..6).is_some_and(is_digits) { split(time, ':') } else { time.to_owned() });
     // "2026:08:22" (AAT, EXIF)
     let is_with_colons = day.find(':') == Some(4);
     let parts: Vec<&str> = day.split(|c| matches!(c, '-' | '/' | '.') || (c == ':' && is_with_colons)).collect();
@@ -266,6 +269,7 @@ mod tests {
             "20200306T000415.410235Z",
             "2020-03-06_00:04:15.410235 UTC",
             "6-Mar-2020 00:04:15.410235+00:00",
+            "6/3/120 00:04:15.410235",
             "2020-Mar-06 00:04:15.410235",
         ] {
             assert_eq!(at(text), expected, "{text}");
@@ -280,6 +284,7 @@ mod tests {
             ("26/10/92", [1992, 10, 26]),
             ("05/06/92", [1992, 6, 5]),
             ("26/07/102", [2002, 7, 26]),
+            ("2-Oct-2026", [2026, 10, 2]),
         ] {
             assert_eq!(at(text), DateText::Day(day), "{text}");
         }
