@@ -88,7 +88,7 @@ pub(crate) fn parse_iso(text: &str) -> Option<Epoch> {
 
 /// Parses a date and time as [`parse_iso`]; `None` for a date alone.
 pub(super) fn parse_iso_with_time(text: &str) -> Option<Epoch> {
-    text.trim().contains(['T', ' ']).then(|| parse_iso(text)).flatten()
+    (text.trim().contains(['T', ' ']) && text.matches(':').count() == 2).then(|| parse_iso(text)).flatten()
 }
 
 /// Parses `17:37:14.092032` as nanoseconds after midnight.

@@ -184,7 +184,8 @@ fn has_keyword(card: &Card, keyword: &str) -> bool {
             return rest[0] == b'=';
         }
     }
-    bytes.starts_with(b"HIERARCH ") && card.keyword().eq_ignore_ascii_case(keyword)
+    // The first byte alone excludes most cards.
+    bytes[0] == b'H' && bytes.starts_with(b"HIERARCH ") && card.keyword().eq_ignore_ascii_case(keyword)
 }
 
 #[cfg(test)]

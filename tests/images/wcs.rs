@@ -246,6 +246,15 @@ fn verif_native_pole_by_pv_of_the_longitude_axis() {
     }
     let scamp = "PV1_0   = 0.0\nPV1_1   = 1.0\nPV1_2   = 0.0\nPV2_0   = 0.0\nPV2_1   = 1.0\nPV2_2   = 0.0";
     assert!(position(scamp).separation_rad(&plain) < 1e-12);
+    // TAN has no parameters of the latitude axis: those without effect in either reading are ignored.
+    for cards in ["PV2_1   = 0.0", "PV2_1   = 1.0", "PV2_0   = 0.0\nPV2_3   = 0.0"] {
+        assert!(position(cards).separation_rad(&plain) < 1e-12, "{cards}");
+    }
+    for cards in ["PV2_1   = 1.001", "PV2_3   = 0.01\nLONPOLE = 180.0"] {
+        let error = with(cards).expect_err(cards).to_string();
+        assert!(error.contains("PV2_") && error.contains("CTYPE TPV"), "{error}");
+    }
+    assert!(position("PV2_5   = 0.01").separation_rad(&plain) > 1e-9);
     let error = with("PV1_1   = 5.0").expect_err("another reference point").to_string();
     assert!(error.contains("PV1_1 is 5; allowed: 0 (the reference point of TAN)"), "{error}");
 }

@@ -389,6 +389,7 @@ fn unclear_epochs_and_decayed_satellites() {
     let epoch = json.split("\"EPOCH\": \"").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
     let error = |text: &str| read(text.as_bytes()).unwrap_err().to_string();
     assert!(error(&json.replace(epoch, &epoch[..10])).contains("invalid epoch \"2026-03-20\""));
+    assert!(error(&json.replace(epoch, &epoch[..16])).contains("invalid epoch \"2026-03-20T12:34\""));
     assert!(error(&json.replace(epoch, "2026-079")).contains("invalid epoch \"2026-079\""));
     let day_0 = format!("{}\n{LINE2}\n", LINE1.replace("26079.52426840", "26000.52426840").replace("9991", "9992"));
     assert!(error(&day_0).contains("day 0 is 31 December"), "{}", error(&day_0));

@@ -188,7 +188,7 @@ fn of_amplifiers(
 /// Words in comments of a gain that is a setting of the camera, in its own steps, or of one of its stages.
 const SETTINGS: &str = "db setting settings sensor camera analog analogue digital iso index mode value level percent \
      percentage unitless relative zwo qhy step steps pre preamp preamplifier em emccd multiplication shift bit bits units dial \
-     slider";
+     slider table";
 /// Keywords that camera programs write beside a gain that is a setting.
 const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL", "ISOSPEED", "ISO"];
 /// Keywords of the multiplication of electrons before the amplifier, by which a gain is to be divided.
@@ -265,8 +265,9 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
             .iter()
             .any(|words| joined.contains(words))
         || keyword != "GAIN" && keyword != "CCDGAIN";
-    // "0.1dB", "[%]"
-    let has_other_unit = comment.contains('%') || comment.contains("dB");
+    // "0.1dB", "%", "[uV/e-]"
+    let in_brackets = comment.trim_start().strip_prefix('[').is_some_and(|unit| !unit.starts_with('e'));
+    let has_other_unit = in_brackets || comment.contains('%') || comment.contains("dB");
     let is_setting = words.has(SETTINGS) || has_other_unit || keywords.number(CAMERA_OFFSETS, |_| true).is_some();
     let is_camera = CAMERAS.iter().filter_map(|keyword| keywords.text(&[keyword])).any(|(keyword, text)| {
         let lower = text.to_ascii_lowercase();

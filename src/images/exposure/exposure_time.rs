@@ -33,11 +33,12 @@ const LOOSE_START_S: f64 = 10.0;
 /// 4.3 s, and times without seconds have 60 s.
 const COARSE_S: f64 = 10.0;
 
-/// Word of TIMESYS for a clock that is not exactly in the scale (NOAO: `UTC approximate`).
+/// Word of TIMESYS for a clock that is not exactly in the scale (`UTC approximate` in the keyword dictionary of NOAO,
+/// <https://iraf.noao.edu/projects/mosaic/imagedef/mosaic/MosaicV1.dic>).
 const APPROXIMATE: &str = "APPROXIMATE";
 
-/// Beginnings of keywords of the zone of a local time or its offset from universal time, without hyphens.
-const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
+/// Beginnings of keywords of the zone of a local time, its offset from universal time or its summer time, without hyphens.
+const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF", "DST", "DAYL", "SUMMERT"];
 
 /// Beginnings of keywords of the clock, whose value may be "local".
 const CLOCKS: &[&str] = &["CLOCK", "CLK", "TIMETYP", "TIMEBAS", "TIMESRC"];
@@ -95,7 +96,7 @@ impl ExposureTime {
     ///
     /// # Errors
     /// Keywords are missing, invalid or contradictory; a comment states a local time or the time of an event after the
-    /// exposure; a year has two digits; the only time is a day number with less than four decimals, or has no seconds;
+    /// exposure; a date is ambiguous; the only time is a day number with less than four decimals, or has no seconds;
     /// the exposure time is 0 or less, or that of one of several co-added exposures.
     pub fn from_headers(headers: &[&Header]) -> Result<Self, Error> {
         Self::with_given(headers, None, None)
@@ -383,7 +384,7 @@ fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
 }
 
 /// Returns a sentence about a file that was written before the end of the exposure, if nothing states that the start is the
-/// start: its time may be that of the end, as UTC in headers of Keck's LRIS.
+/// start: its time may be that of the end, or of the writing.
 fn written_early(keywords: Keywords<'_>, start: &Start, duration_s: f64) -> Option<String> {
     let (name, text, comment) = keywords.text_and_comment("DATE")?;
     if comment.is_local() || comment.role(None) == Ok(Some(Role::Start)) {
@@ -409,9 +410,9 @@ fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
     let card = keywords.cards().find(|card| match card.value() {
         None => REMARKS.contains(&card.keyword().as_str()) && Comment::new(&card.remark_text()).is_about_times(),
         Some(CardValue::Integer(_) | CardValue::Real(_)) => {
-            let is_standard = TIME_ERRORS.contains(&card.keyword().as_str());
-            let number = keywords.number(&[&card.keyword()], |number| number.abs() > START_SLACK_S);
-            number.is_some() && (is_standard || Comment::new(&card.comment()).is_of_clock_error())
+            let is_error =
+                TIME_ERRORS.contains(&card.keyword().as_str()) || Comment::new(&card.comment()).is_of_clock_error();
+            is_error && keywords.number(&[&card.keyword()], |number| number.abs() > START_SLACK_S).is_some()
         }
         _ => false,
     })?;
@@ -426,6 +427,14 @@ fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
 /// Returns a sentence about the zone of a header, or the camera with a clock that is set by hand, if nothing states that
 /// the start is in universal time.
 fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<String> {
+    // A scale, another clock of universal time, or a different local time show that the start is not local.
+    if timesys(keywords).is_some()
+        || comments_of(keywords, start).iter().any(Comment::is_universal)
+        || instants.found.iter().any(|instant| instant.from.contains("UT"))
+        || !instants.local_clocks.is_empty()
+    {
+        return None;
+    }
     let camera = || {
         let (name, camera) = keywords.text(&["INSTRUME", "CAMERA"])?;
         let lower = camera.to_ascii_lowercase();
@@ -443,6 +452,7 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
             CardValue::Integer(number) => number.to_string(),
             CardValue::Real(number) => number.to_string(),
             CardValue::Text(text) => text.trim().to_owned(),
+            CardValue::Logical(true) => return Some((name, "T".to_owned())),
             _ => return None,
         };
         // Quarters of an hour, in hours or in seconds.
@@ -457,14 +467,7 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
         is_local.then_some((name, value))
     });
     let (name, value) = of_card.or_else(camera)?;
-    // A scale, another clock of universal time, or a different local time show that the start is not local.
-    let is_stated = timesys(keywords).is_some()
-        || comments_of(keywords, start).iter().any(Comment::is_universal)
-        || instants.found.iter().any(|instant| instant.from.contains("UT"))
-        || !instants.local_clocks.is_empty();
-    (!is_stated).then(|| {
-        format!("{} is read as UTC, and {name} is {value}: if it is a local time, specify --start", start.from)
-    })
+    Some(format!("{} is read as UTC, and {name} is {value}: if it is a local time, specify --start", start.from))
 }
 
 /// Returns sentences about starts, middles and ends in keywords of other names that do not fit the exposure.

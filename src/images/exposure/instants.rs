@@ -6,7 +6,7 @@ use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::{epoch_from_jd, epoch_from_mjd, has_zone, seconds_after, seconds_between};
 
-use super::super::card::CardValue;
+use super::super::card::{Card, CardValue};
 use super::comment::{AFTER_EXPOSURE, Comment, Role};
 use super::moment::{DateText, Keywords, at, bare, is_spelling, parse_date, parse_time, resolution, without_offset};
 
@@ -104,7 +104,8 @@ const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "L
 
 /// Keywords of devices, and a device whose DATE-OBS is the time at which its image was created, the end of the exposure (so
 /// read by the Seestar Photometry Stack for Siril, <https://gitlab.com/Aquarius58/siril-seestar-stack>; its maker documents
-/// nothing), in lower case. The ASIAIR has the same comment, but nothing is published about its time.
+/// nothing), in lower case. The ASIAIR has the same comment, but nothing is published about its time; its Autorun_Log has the
+/// times of captures (so read by <https://github.com/metalglove/astro-guiding-performance>).
 const DEVICES: &[&str] = &["CREATOR", "INSTRUME"];
 const CREATES_AT_END: &str = "seestar";
 const WITH_LOG: &str = "asiair";
@@ -146,7 +147,7 @@ pub struct Instants {
     /// Middles, ends, and times of the first and last of several exposures, in keywords of other names, such as OBS-END and
     /// UTC-LAST, which are only compared.
     pub others: Vec<Instant>,
-    /// Error of a date with a year of two digits, or with an ambiguous order.
+    /// Error of an ambiguous date.
     pub unclear: Option<Error>,
     /// Error of a date without a time.
     pub day_alone: Option<Error>,
@@ -256,7 +257,8 @@ impl Reader<'_> {
             }
             DateText::Unclear if self.instants.unclear.is_none() => {
                 let given = format!("the ambiguous date {value:?}");
-                self.instants.unclear = Some(Error::invalid(from, given, "yyyy-mm-dd, or --start"));
+                self.instants.unclear =
+                    Some(Error::invalid(from, given, "yyyy-mm-dd (dd/mm/yy until 1999), or --start"));
             }
             DateText::Unclear => {}
             DateText::Unreadable => {
@@ -283,7 +285,13 @@ impl Reader<'_> {
             END_TIMES,
         ]
         .concat();
-        for card in self.keywords.cards() {
+        let may_be_date = |card: &&Card| match card.value() {
+            Some(CardValue::Text(text)) => text.contains([':', '-', '/']),
+            // Modified Julian dates since 1930.
+            Some(CardValue::Real(days)) => days > 26_000.0,
+            _ => false,
+        };
+        for card in self.keywords.cards().filter(may_be_date) {
             let name = card.keyword();
             let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
             let named = if has(&["MID"]) {
@@ -514,13 +522,17 @@ impl Reader<'_> {
     /// Instants that a comment makes unusable are kept as errors.
     fn add(&mut self, instant: Instant, value: &str, comments: &[Comment]) {
         let usual = instant.role;
-        let is_named = usual != Role::Start || NAMED_STARTS.iter().any(|name| is_spelling(name, &instant.from));
-        let role = comments.iter().try_fold(None, |role: Option<Role>, comment| {
+        let is_start = |keyword: &str| NAMED_STARTS.iter().any(|name| is_spelling(name, keyword));
+        let is_named = usual != Role::Start || instant.from.split(" + ").any(is_start);
+        let role = comments.iter().enumerate().try_fold(None, |role: Option<Role>, (at, comment)| {
             let of_comment = || {
                 if !self.is_stated {
                     comment.scale()?;
+                } else if comment.contradicts(self.scale) {
+                    return Err("in another time scale than TIMESYS");
                 }
-                comment.role(is_named.then_some(usual))
+                // The second comment is that of a date.
+                comment.role((is_named && at == 0).then_some(usual))
             };
             of_comment().map(|stated| role.or(stated)).map_err(|problem| (comment, problem))
         });
@@ -564,7 +576,7 @@ impl Reader<'_> {
                 let is_in_log = problem == AFTER_EXPOSURE && is_of_device(WITH_LOG);
                 let allowed = format!(
                     "{allowed}{}",
-                    if is_in_log { " (Autorun_Log of the ASIAIR has local times of starts)" } else { "" }
+                    if is_in_log { " (see the times of captures in Autorun_Log of the ASIAIR)" } else { "" }
                 );
                 self.instants.unusable.get_or_insert(Error::invalid(instant.from, given, allowed));
             }

@@ -15,7 +15,7 @@ const LENGTHS: &[&str] =
 /// Exposure time in microseconds (ZWO).
 const EXPOINUS: &str = "EXPOINUS";
 /// Keywords that are used only without the others: ITIME is the requested time, and TRUITIME the true one (IRTF); EXPOSED
-/// (AAT); and EXP (DWARF) if its comment states a unit, because it may also be a number.
+/// (AAT); and EXP if its comment states a unit, because it may also be a number.
 const LAST_LENGTHS: &[&str] = &["TRUITIME", "EXPOSED", "EXP"];
 /// Keywords of the time of one of several added exposures.
 const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
@@ -30,7 +30,7 @@ const ELAPSED: &[&str] = &[
     "ELAPS", "DURAT", "EXPDUR", "OBSDUR", "REALTIM", "WALLTIM", "WALLCL", "CLOCKTIM", "TIMESPAN", "EXPSPAN", "OBSSPAN",
     "ONTIME", "ACQTIM",
 ];
-const TOTALS: &[&str] = &["TOT", "CUM", "SUM"];
+const TOTALS: &[&str] = &["TOT", "CUM", "SUM", "STACK"];
 /// Keywords of the true or measured exposure time, which may be shorter than the requested one, and words of comments.
 const TRUE_TIMES: &[&str] = &[
     "ACTEXP", "ACTTIME", "ACTUALEX", "REALEXP", "REALTIME", "TRUEEXP", "EXPOSED", "EXPMEAS", "MEASEXP", "REXPTIME",
@@ -373,7 +373,8 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
             && !comment.has(OF_SERIES)
     };
     let is_total_name = |name: &str| {
-        TOTALS.iter().any(|total| name.starts_with(total)) && (name.contains("EXP") || name.contains("TIM"))
+        TOTALS.iter().any(|total| name.starts_with(total) || name.ends_with(total))
+            && (name.contains("EXP") || name.contains("TIM"))
     };
     let is_true = |name: &str, comment: &Comment| {
         TRUE_TIMES.iter().any(|known| is_spelling(known, name))
@@ -382,12 +383,16 @@ fn doubtful_times(keywords: Keywords<'_>, seconds: f64) -> Vec<Stated> {
                 && !comment.has(OF_CALIBRATION))
     };
     let is_doubtful = |card: &&Card| {
-        let (name, comment) = (card.keyword(), Comment::new(&card.comment()));
-        let bare = bare(&name);
-        let is_number = matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_))) && !is_known(&name);
+        let name = card.keyword();
+        if DOUBTFUL_TIMES.iter().any(|known| is_spelling(known, &name)) {
+            return true;
+        }
+        if !matches!(card.value(), Some(CardValue::Integer(_) | CardValue::Real(_))) || is_known(&name) {
+            return false;
+        }
+        let (bare, comment) = (bare(&name), Comment::new(&card.comment()));
         let is_longer = || is_total(&comment) || is_total_name(&name) || ELAPSED.iter().any(|part| bare.contains(part));
-        DOUBTFUL_TIMES.iter().any(|known| is_spelling(known, &name))
-            || (is_number && (is_true(&name, &comment) || (!is_of_calibration(&name) && is_longer())))
+        is_true(&name, &comment) || (!is_of_calibration(&name) && is_longer())
     };
     let times =
         keywords.cards().filter(is_doubtful).filter_map(|card| stated(keywords, &card.keyword()).ok().flatten());
@@ -460,11 +465,11 @@ fn is_count(name: &str) -> bool {
 
 /// Returns the keyword and the value of a number of exposures above 1, which may be that of separate files.
 fn number_of_frames(card: &Card) -> Option<(String, f64)> {
-    let (keyword, comment) = (card.keyword(), Comment::new(&card.comment()));
     let number = match card.value()? {
         CardValue::Real(number) if number.fract() == 0.0 => number,
         value => whole_number(Some(value))?,
     };
+    let (keyword, comment) = (card.keyword(), Comment::new(&card.comment()));
     let is_number = is_count(&keyword)
         || comment.has_pair(STACKS, "count number size")
         || Comment::new(&keyword).has_pair(SEVERAL, ADDED)

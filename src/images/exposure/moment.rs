@@ -16,16 +16,23 @@ pub(super) enum DateText {
     Moment(Epoch),
     /// A date without a time: year, month, day.
     Day([u32; 3]),
-    /// A year of two digits, or numbers in an ambiguous order.
+    /// A year of two digits after 1999, or numbers in an ambiguous order.
     Unclear,
     /// Not a date.
     Unreadable,
 }
 
+/// Returns a text without "Z", "UTC", "UT" or "GMT" at its end.
+fn without_universal(text: &str) -> &str {
+    let text = text.trim();
+    let ends = ["z", "utc", "ut", "gmt"].into_iter().find(|end| text.to_ascii_lowercase().ends_with(end));
+    ends.map_or(text, |end| text[..text.len() - end.len()].trim_end())
+}
+
 /// Splits the offset from universal time off a date with a time (ISO 8601), as in `2020-03-06T00:04:15-07:00`. Returns the
 /// rest and the offset in seconds.
 pub(super) fn without_offset(text: &str) -> (&str, f64) {
-    let text = text.trim().trim_end_matches('Z');
+    let text = without_universal(text);
     let split = || {
         let time = text.find(':')?;
         let at = time + text[time..].rfind(['+', '-'])?;
@@ -39,44 +46,79 @@ pub(super) fn without_offset(text: &str) -> (&str, f64) {
     split().unwrap_or((text, 0.0))
 }
 
-/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank may replace the T, slashes may replace the hyphens, and an
-/// offset from universal time may follow.
+/// First year with satellites, of years with two digits.
+const FIRST_YEAR: u32 = 1957;
+const MONTHS: &str = "jan feb mar apr may jun jul aug sep oct nov dec";
+
+/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank or an underscore may replace the T, slashes, dots or nothing the
+/// hyphens, and an offset from universal time may follow. `26/10/92` is a date of 1992 (FITS standard 4.0, section 4.4.2.1),
+/// and a year of three digits counts from 1900. Other dates that end with the year are read if they exist in only one
+/// order, as `22.08.2026` and `22-Aug-2026`.
 pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     let (text, offset_s) = without_offset(text);
-    let (day, time) = match text.split_once(['T', ' ']) {
-        Some((day, time)) => (day, Some(time.trim())),
+    // Not the T in "Oct".
+    let is_separator = |at: &usize| match text.as_bytes()[*at] {
+        b'T' | b't' => text.as_bytes()[at - 1].is_ascii_digit(),
+        mark => mark == b' ' || mark == b'_',
+    };
+    let (day, time) = match (1..text.len()).find(is_separator) {
+        Some(at) => (&text[..at], Some(text[at + 1..].trim())),
         None => (text, None),
     };
+    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    // "20260822T031500"
+    let split = |text: &str, sign: char| match (text.get(..2), text.get(2..4), text.get(4..)) {
+        (Some(a), Some(b), Some(c)) => format!("{a}{sign}{b}{sign}{c}"),
+        _ => text.to_owned(),
+    };
+    let day = if day.len() == 8 && is_digits(day) {
+        format!("{}{}", &day[..2], split(&day[2..], '-'))
+    } else {
+        day.to_owned()
+    };
+    let time = time.map(|time| if time.get(..6).is_some_and(is_digits) { split(time, ':') } else { time.to_owned() });
     // "2026:08:22" (AAT, EXIF)
     let is_with_colons = day.find(':') == Some(4);
-    let parts: Vec<&str> = day.split(['-', '/']).flat_map(|part| part.split(|c| c == ':' && is_with_colons)).collect();
-    let is_number = |part: &&str| !part.is_empty() && part.len() <= 4 && part.bytes().all(|byte| byte.is_ascii_digit());
-    if parts.len() != 3 || !parts.iter().all(is_number) {
-        return DateText::Unreadable;
-    }
-    if parts[0].len() != 4 {
-        return DateText::Unclear;
-    }
-    let numbers: Vec<u32> = parts.iter().filter_map(|part| part.parse().ok()).collect();
-    let [year, month, day] = numbers[..] else { return DateText::Unreadable };
+    let parts: Vec<&str> = day.split(|c| matches!(c, '-' | '/' | '.') || (c == ':' && is_with_colons)).collect();
+    let &[first, middle, last] = &parts[..] else { return DateText::Unreadable };
+    let named =
+        MONTHS.split(' ').position(|month| middle.get(..3).is_some_and(|name| name.eq_ignore_ascii_case(month)));
+    let number = |text: &str| text.parse::<u32>().ok().filter(|_| text.len() <= 4 && is_digits(text));
+    let middle = named.map(|month| month as u32 + 1).or_else(|| number(middle));
+    let (Some(a), Some(b), Some(c)) = (number(first), middle, number(last)) else { return DateText::Unreadable };
+    let exists = |day: &[u32; 3]| at(*day, [0, 0], 0.0, scale).is_some();
+    let date = if first.len() == 4 {
+        [a, b, c]
+    } else {
+        let is_short = last.len() < 4;
+        let year = if is_short { 1900 + c } else { c };
+        let orders = [[year, b, a], [year, a, b]].into_iter().take(if named.is_some() { 1 } else { 2 });
+        let mut readings: Vec<[u32; 3]> = orders.filter(|day| exists(day) && year >= FIRST_YEAR).collect();
+        readings.dedup();
+        match readings[..] {
+            [date] => date,
+            [date, _] if is_short && day.contains('/') => date,
+            _ => return DateText::Unclear,
+        }
+    };
+    let moment = |time: String| {
+        let (clock, seconds) = parse_time(&time)?;
+        Some(DateText::Moment(seconds_after(at(date, clock, seconds, scale)?, -offset_s)))
+    };
     match time {
-        None if at([year, month, day], [0, 0], 0.0, scale).is_some() => DateText::Day([year, month, day]),
+        None if exists(&date) => DateText::Day(date),
         None => DateText::Unreadable,
-        Some(time) => match parse_time(time).and_then(|(clock, seconds)| at([year, month, day], clock, seconds, scale))
-        {
-            Some(epoch) => DateText::Moment(seconds_after(epoch, -offset_s)),
-            None => DateText::Unreadable,
-        },
+        Some(time) => moment(time).unwrap_or(DateText::Unreadable),
     }
 }
 
-/// Parses `hh:mm:ss.sss`. Returns hours and minutes, and the seconds with their fraction.
+/// Parses `hh:mm:ss.sss`, also with a decimal comma. Returns hours and minutes, and the seconds with their fraction.
 pub(super) fn parse_time(text: &str) -> Option<([u32; 2], f64)> {
-    let parts: Vec<&str> = text.trim().trim_end_matches('Z').split(':').collect();
+    let parts: Vec<&str> = without_universal(text).split(':').collect();
     let [hours, minutes, ref rest @ ..] = parts[..] else { return None };
     let seconds = match rest {
         [] => 0.0,
-        [seconds] => seconds.parse::<f64>().ok()?,
+        [seconds] => seconds.replace(',', ".").parse::<f64>().ok()?,
         _ => return None,
     };
     let clock = [hours.parse().ok()?, minutes.parse().ok()?];
@@ -223,11 +265,30 @@ mod tests {
             " 2020-03-06 00:04:15.410235",
             "2020/03/06T00:04:15.410235Z",
             "2020:03:06 00:04:15.410235",
+            "2020.03.06t00:04:15,410235z",
+            "20200306T000415.410235Z",
+            "2020-03-06_00:04:15.410235 UTC",
+            "6-Mar-2020 00:04:15.410235+00:00",
+            "6/3/120 00:04:15.410235",
+            "2020-Mar-06 00:04:15.410235",
         ] {
             assert_eq!(at(text), expected, "{text}");
         }
         assert_eq!(at("        2020-12-09"), DateText::Day([2020, 12, 9]));
-        for text in ["26/07/102", "26/10/92", "06/03/2020", "20-12-09"] {
+        for (text, day) in [
+            ("22/08/2026", [2026, 8, 22]),
+            ("08/22/2026", [2026, 8, 22]),
+            ("22.08.2026", [2026, 8, 22]),
+            ("08/08/2026", [2026, 8, 8]),
+            ("20260822", [2026, 8, 22]),
+            ("26/10/92", [1992, 10, 26]),
+            ("05/06/92", [1992, 6, 5]),
+            ("26/07/102", [2002, 7, 26]),
+            ("2-Oct-2026", [2026, 10, 2]),
+        ] {
+            assert_eq!(at(text), DateText::Day(day), "{text}");
+        }
+        for text in ["06/03/2020", "06.03.2020 00:04:15", "20-12-09", "26/10/20", "05-06-92"] {
             assert_eq!(at(text), DateText::Unclear, "{text}");
         }
         for text in

@@ -81,11 +81,27 @@ impl HeaderTerms {
         let wat = |axis: usize| header.numbered_text(&format!("WAT{}_", axis + 1));
         let (wat_longitude, wat_latitude) = (wat(longitude_axis), wat(latitude_axis));
         let pixel_distortion = Distortion::sip(header)?;
-        let has_pv = (0..40).any(|m| pv(latitude_axis, m).is_some() || (m > 4 && pv(longitude_axis, m).is_some()));
+        let has_pv = |axis: usize, mut terms: std::ops::Range<usize>| terms.any(|m| pv(axis, m).is_some());
+        // PVi_m on both axes, or with m > 4, are coefficients of SCAMP; the first of one axis alone are not.
+        let is_scamp = projection_code == "TAN"
+            && (has_pv(longitude_axis, 5..40)
+                || has_pv(latitude_axis, 5..40)
+                || (has_pv(longitude_axis, 0..3) && has_pv(latitude_axis, 0..3)));
+        // The standard has no parameters of TAN on the latitude axis (wcslib ignores them), SCAMP has.
+        if projection_code == "TAN"
+            && !is_scamp
+            && pixel_distortion.is_none()
+            && let Some(m) =
+                (0..5).find(|m| pv(latitude_axis, *m).is_some_and(|term| term != 0.0 && (*m, term) != (1, 1.0)))
+        {
+            let what = format!("PV{}_{m}", latitude_axis + 1);
+            let allowed = "no parameters of TAN on this axis; CTYPE TPV for a distortion";
+            return Err(Error::invalid(what, pv(latitude_axis, m).unwrap_or_default(), allowed));
+        }
         let mut plane_distortion = None;
         let projection = match projection_code {
             // PVi_m coefficients of SCAMP together with SIP describe the same distortion twice, so SIP alone is used.
-            "TAN" if has_pv && pixel_distortion.is_none() => {
+            "TAN" if is_scamp && pixel_distortion.is_none() => {
                 plane_distortion = Some(Distortion::tpv(header, longitude_axis));
                 Projection::Tan
             }
@@ -127,7 +143,6 @@ impl HeaderTerms {
         };
         // PVi_1 to PVi_4 of the longitude axis are the native position of the reference point, and LONPOLE and LATPOLE,
         // over which they take precedence (paper II, section 2.5). With a distortion they are its coefficients.
-        let is_scamp = projection_code == "TAN" && has_pv;
         let native_pole = |m: usize| pv(longitude_axis, m).filter(|_| plane_distortion.is_none() && !is_scamp);
         let reference = if projection.is_zenithal() { [0.0, 90.0] } else { [0.0, 0.0] };
         for (m, usual_deg) in (1..).zip(reference) {
@@ -238,6 +253,10 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f6
         let largest = a.iter().flatten().fold(0.0, |largest: f64, term| largest.max(term.abs()));
         entries.iter().any(|(i, j)| (a[*i][*j] - b[*i][*j]).abs() > MATRIX_SLACK * largest)
     };
+    let missing = (1..=2).map(|axis| format!("CDELT{axis}")).find(|step| !header.contains(step));
+    if let Some(step) = missing.filter(|_| !has_cd && !is_turned) {
+        return Err(Error::invalid(step, "missing", "CDELT1 and CDELT2, or a matrix of CDi_j"));
+    }
     if !has_cd {
         if is_turned && rotation != 0.0 && differs(turned, rotated) {
             return Err(Error::invalid(

@@ -26,6 +26,25 @@ impl Comment {
 
     /// Returns true if the comment states a local time.
     pub fn is_local(&self) -> bool {
+        // "local time converted to UTC", "UTC = local + 7 h"
+        let before_sign = self.text.split_once('=').map(|(before, _)| Self::new(before));
+        if (self.has("converted") && self.has_pair("to into", UNIVERSAL))
+            || before_sign
+                .is_some_and(|name| name.words().next().is_some() && name.words().all(|word| lists(UNIVERSAL, word)))
+        {
+            return false;
+        }
+        // "UTC; local = UTC-7"
+        let clauses = self.text.split([',', ';', '(', ')', '[', ']']).map(Self::new);
+        let mut clauses = clauses.filter(|clause| !clause.clauses.is_empty());
+        if let Some(first) = clauses.next()
+            && first.is_universal()
+        {
+            let (defining, others): (Vec<Self>, Vec<Self>) = clauses.partition(Self::defines_local);
+            if !defining.is_empty() {
+                return first.is_local() || others.iter().any(Self::is_local);
+            }
+        }
         if self.has_offset() {
             return true;
         }
@@ -54,6 +73,22 @@ impl Comment {
         !is_universal && (self.words().any(is_zone) || self.has_pair(ZONE_NAMES, "time standard summer zeit"))
     }
 
+    /// Returns true if a clause states the offset of another time from universal time, or where that time is, as in "local =
+    /// UTC-7", "MST is UTC - 7 h" and "local time: see DATE-LOC".
+    fn defines_local(&self) -> bool {
+        let is_other = |part: &Self| {
+            part.has(LOCAL) || part.has("zone timezone site observatory") || part.words().any(|word| lists(ZONES, word))
+        };
+        match self.text.split_once('=') {
+            Some((before, _)) => is_other(&Self::new(before)),
+            None => {
+                let has_sign = self.text.contains(['+', '-']) || self.has("minus plus");
+                let has_offset = has_sign && self.text.contains(|c: char| c.is_ascii_digit());
+                is_other(self) && (has_offset || self.has("see loc loctime localtim converted behind ahead no"))
+            }
+        }
+    }
+
     /// Returns true if the comment states an offset from UTC other than 0, such as `UTC-7` or `(GMT +5:30)`.
     fn has_offset(&self) -> bool {
         let lower = self.text.to_ascii_lowercase();
@@ -73,6 +108,20 @@ impl Comment {
     /// Returns true if the comment states a zone or an offset from universal time.
     pub fn is_of_zone(&self) -> bool {
         self.has("timezone") || self.has_pair("time", "zone") || (self.has("offset") && self.is_universal())
+    }
+
+    /// Returns true if the comment states another time scale than the given one, and not the given one.
+    pub fn contradicts(&self, scale: TimeScale) -> bool {
+        let names = match scale {
+            TimeScale::UTC => UNIVERSAL,
+            TimeScale::TAI => "tai iat",
+            TimeScale::TT => "tt tdt et",
+            TimeScale::TDB => "tdb",
+            _ => "gps gpst",
+        };
+        let stated = self.scale().map(|stated| stated.unwrap_or(TimeScale::UTC));
+        let is_stated = self.is_universal() || stated != Ok(TimeScale::UTC);
+        is_stated && stated.is_ok_and(|stated| stated != scale) && !self.has(names)
     }
 
     /// Returns the digits after `TAI -`; `None` if there are none.
@@ -124,6 +173,19 @@ impl Comment {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn other_scales_than_timesys_are_contradictions() {
+        for (text, scale, is_other) in [
+            ("TAI at start", TimeScale::UTC, true),
+            ("UTC at start", TimeScale::TAI, true),
+            ("TAI (not UTC)", TimeScale::TAI, false),
+            ("UTC (TAI - 37 s)", TimeScale::UTC, false),
+            ("start of exposure", TimeScale::TAI, false),
+        ] {
+            assert_eq!(Comment::new(text).contradicts(scale), is_other, "{text}");
+        }
+    }
 
     #[test]
     fn clocks_of_computers_may_be_local() {

@@ -1,5 +1,6 @@
 //! Part of the exposure to which an instant refers, by the comment of its card.
 
+use super::clock::UNIVERSAL;
 use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
 /// Words of the end that have another meaning before a noun.
@@ -11,7 +12,9 @@ pub(super) const FILLERS: &str = "of the at to a an in and or between this first
 const PERIODS: &str = "block blocks ob sequence sequences series night run session program programme queue script";
 /// Ends and middles as sums or in languages in which the word alone has other meanings, without blanks, in lower case.
 const PHRASES: &[(Role, &[&str])] = &[
-    (Role::Middle, &["50%of", "metaposa", "metaesposizione"]),
+    // The end minus the exposure time
+    (Role::Start, &["-exptime", "-texp", "-t_exp", "-xposure", "minusexp"]),
+    (Role::Middle, &["50%of", "50%exp", "end)/2", "stop)/2", "metaposa", "metaesposizione"]),
     (Role::End, &["+exp", "+texp", "+t_exp", "+xposure", "plusexp", "fineesposizione", "finedell", "fineposa"]),
 ];
 /// Beginnings of names of the exposure time in formulas, and a half of it before and after such a name.
@@ -25,6 +28,8 @@ const PLANS: &str = "planned intended requested scheduled proposed";
 /// Words of events after the exposure, at an unknown delay.
 const EVENTS: &str = "received reception arrival arrived created creation saved saving stored written writing write \
      generated modified downloaded download transferred transfer readout";
+/// Words of the program that wrote the keyword, as in "UTC, written by TCS".
+const WRITERS: &str = "written created generated modified stored saved";
 /// Words with which a part beside such an event is not that of the time.
 const UNSTATED: &str = "plus after not no unknown file packet";
 const CORRECTED: &str = "heliocentric barycentric hjd bjd bmjd hmjd";
@@ -49,6 +54,12 @@ impl Comment {
         if self.has(CORRECTED) {
             return Err("a time corrected to the Sun or the barycentre");
         }
+        if self.has("rjd tjd djd")
+            || self.has_pair("reduced truncated dublin", "jd julian")
+            || self.text.match_indices("2400000").any(|(at, number)| !self.text[at + number.len()..].starts_with(".5"))
+        {
+            return Err("a Julian date from another day on");
+        }
         if self.has(PLANS) {
             return Err("a planned time");
         }
@@ -56,7 +67,7 @@ impl Comment {
             return Err(UNCLEAR);
         }
         let (stated, is_unclear) = self.parts();
-        if self.has(EVENTS) && (stated.is_empty() || !self.begins_with_part()) {
+        if self.has(EVENTS) && !self.is_of_writer() && (stated.is_empty() || !self.begins_with_part()) {
             return Err(AFTER_EXPOSURE);
         }
         match (&stated[..], named) {
@@ -73,6 +84,16 @@ impl Comment {
         }
     }
 
+    /// Returns true if the only event in the comment is the writing of the keyword, as in "[UTC] written by TCS".
+    fn is_of_writer(&self) -> bool {
+        let is_keyword = |word: &String| lists(UNIVERSAL, word) || lists("keyword header card value", word);
+        let is_by = |words: &Vec<String>| {
+            let at = words.windows(2).position(|pair| lists(WRITERS, &pair[0]) && pair[1] == "by");
+            at.is_some_and(|at| words[..at].iter().all(is_keyword))
+        };
+        self.words().filter(|word| lists(EVENTS, word)).count() == 1 && self.clauses.iter().any(is_by)
+    }
+
     /// Returns true if the comment begins with a part of the exposure, as "start of exposure, which ends with readout".
     fn begins_with_part(&self) -> bool {
         let first = self.words().find(|word| !lists(CLOCK, word) && !lists(FILLERS, word));
@@ -82,30 +103,29 @@ impl Comment {
 
     /// Returns the parts that the comment states, and true if other words may state the middle, the end or an event.
     pub(super) fn parts(&self) -> (Vec<Role>, bool) {
-        // "UTC (DATE-END: end)" concerns other keywords.
-        let is_keyword = |word: &str| {
-            word.split_once('-').is_some_and(|(clock, part)| {
-                ["DATE", "MJD", "JD", "TIME", "UT", "UTC"].contains(&clock)
-                    && ["BEG", "OBS", "AVG", "MID", "END", "STR", "STOP"].contains(&part)
-            })
+        // "UTC (DATE-END: end)" concerns other keywords from their first name on.
+        let is_keyword = |pair: &[String]| {
+            ["DATE", "MJD", "JD", "TIME", "UT", "UTC"].contains(&pair[0].as_str())
+                && ["BEG", "OBS", "AVG", "MID", "END", "STR", "STOP"].contains(&pair[1].as_str())
         };
-        let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
+        let others_from = self.clauses.iter().position(|words| words.windows(2).any(is_keyword));
+        let of_others = others_from.is_some();
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
         let phrase = PHRASES.iter().find(|(role, list)| {
-            (*role == Role::Middle || !of_others || is_sum(&joined))
-                && list.iter().any(|phrase| joined.contains(phrase))
+            (*role != Role::End || !of_others || is_sum(&joined)) && list.iter().any(|phrase| joined.contains(phrase))
         });
         let mut stated: Vec<Role> = phrase.map(|(role, _)| *role).into_iter().collect();
         if has_half(&joined) {
             stated = vec![Role::Middle];
         }
         // "start + exptime/2", "DATE-BEG + EXPTIME"
-        if stated == [Role::Middle] || (stated == [Role::End] && is_sum(&joined)) {
+        if matches!(stated[..], [Role::Start | Role::Middle]) || (stated == [Role::End] && is_sum(&joined)) {
             return (stated, false);
         }
         let mut is_unclear = self.has(OTHERS);
-        for (role, list) in PARTS {
-            for words in &self.clauses {
+        for (clause, words) in self.clauses.iter().enumerate() {
+            let of_others = others_from.is_some_and(|from| clause >= from);
+            for (role, list) in PARTS {
                 for (at, _) in words.iter().enumerate().filter(|(_, word)| lists(list, word)) {
                     // "Complete timestamp", but "exposure complete".
                     let is_adjective = lists(ADJECTIVES, &words[at])
@@ -115,13 +135,14 @@ impl Comment {
                         continue;
                     }
                     match qualifies(words, at) {
-                        Some(true) if *role == Role::Start || !of_others => stated.push(*role),
+                        Some(true) if !of_others || (*role == Role::Start && stated.is_empty()) => stated.push(*role),
                         None => {}
                         _ => is_unclear |= *role != Role::Start,
                     }
                 }
             }
         }
+        stated.sort_by_key(|role| *role as u8);
         stated.dedup();
         (stated, is_unclear)
     }
@@ -223,6 +244,17 @@ mod tests {
             ("frame 1/2, exposure 1/20 s", Ok(None)),
             ("DATE-BEG + EXPTIME", Ok(Some(Role::End))),
             ("MJD-OBS + texp", Ok(Some(Role::End))),
+            ("DATE-END - EXPTIME", Ok(Some(Role::Start))),
+            ("UTC at shutter close minus exposure", Ok(Some(Role::Start))),
+            ("end - exptime/2", Ok(Some(Role::Middle))),
+            ("(start + end) / 2", Ok(Some(Role::Middle))),
+            ("UTC at 50% exposure", Ok(Some(Role::Middle))),
+            ("(DATE-BEG+DATE-END)/2", Ok(Some(Role::Middle))),
+            ("MJD (mid), see DATE-OBS for start", Ok(Some(Role::Middle))),
+            ("JD - 2400000", Err("a Julian date from another day on")),
+            ("JD-2400000.5 at start", Ok(Some(Role::Start))),
+            ("reduced JD", Err("a Julian date from another day on")),
+            ("Belichtungsmitte", Ok(Some(Role::Middle))),
             ("MJD-OBS + EXPTIME/172800", Ok(None)),
             ("UTC start of 1/2 exposures", Ok(Some(Role::Start))),
             ("start of exposure (TAI, not UTC)", Ok(Some(Role::Start))),
@@ -250,6 +282,21 @@ mod tests {
             ("computer time zone -7", Err("a local time")),
             ("time zone: UTC", Ok(None)),
             ("UTC, not local time", Ok(None)),
+            ("UTC; local = UTC-7", Ok(None)),
+            ("UTC (local time is UTC-7h)", Ok(None)),
+            ("UTC of mid-exposure; MST is UTC - 7 h", Ok(Some(Role::Middle))),
+            ("UTC (time zone UTC+2), start", Ok(Some(Role::Start))),
+            ("UTC of start (local time: see LOCTIME)", Ok(Some(Role::Start))),
+            ("UTC = local + 7h", Ok(None)),
+            ("local time converted to UTC", Ok(None)),
+            ("UTC (local time)", Err("a local time")),
+            ("UTC, time = local", Err("a local time")),
+            ("UTC (UTC-7)", Err("a local time")),
+            ("UTC; local = UTC-7, local", Err("a local time")),
+            ("[UTC] written by TCS", Ok(None)),
+            ("UTC start of exposure (keyword written by TCS)", Ok(Some(Role::Start))),
+            ("[UTC] written by TCS after readout", Err(AFTER_EXPOSURE)),
+            ("image created by camera", Err(AFTER_EXPOSURE)),
             ("Local site PC clock set to UTC", Ok(None)),
             ("Greenwich Mean Time", Ok(None)),
             ("mean of the exposure, UT", Ok(Some(Role::Middle))),

@@ -15,6 +15,36 @@ const LIMIT_SIGNS: &[&str] =
     &["+/-", "+-", "<", ">", "than", "within", "accurate to", "precise to", "rounded to", "good to"];
 /// Last words of the name of an exposure time.
 const EXPOSURE_TIME: &str = "time exposure exp exptime texp integration duration length";
+/// Words of pixels and rows, which divide a unit in comments such as "min/pixel" without another meaning.
+const PIXELS: &str = "pixel pixels pix px row rows line lines column columns";
+/// Stems of fractions in several languages.
+const FRACTIONS: &[(&str, f64)] = &[
+    ("tenth", 1e-1),
+    ("zehntel", 1e-1),
+    ("dixiem", 1e-1),
+    ("decim", 1e-1),
+    ("hundredth", 1e-2),
+    ("hundertstel", 1e-2),
+    ("centiem", 1e-2),
+    ("centesim", 1e-2),
+    ("thousandth", 1e-3),
+    ("tausendstel", 1e-3),
+    ("milliem", 1e-3),
+    ("millesim", 1e-3),
+    ("milesim", 1e-3),
+];
+/// Other spellings of fractions and days; letters that are not ASCII are question marks.
+const SPELLINGS: &[(&str, &str)] = &[
+    ("1000ths", "thousandths"),
+    ("100ths", "hundredths"),
+    ("10ths", "tenths"),
+    ("??", "?"),
+    ("d?as", "dias"),
+    ("d?cim", "decim"),
+    ("i?m", "iem"),
+    ("l?sim", "lesim"),
+    ("t?sim", "tesim"),
+];
 /// Largest difference between a duration in a comment and the value, a fraction of the duration.
 const QUANTITY_SLACK: f64 = 0.01;
 /// Endings of words of seconds, minutes and hours in several languages, after their stems.
@@ -37,7 +67,9 @@ impl Comment {
         if let Some((unit, _)) = self.text.trim_start().strip_prefix('[').and_then(|rest| rest.split_once(']'))
             && unit.bytes().any(|byte| byte.is_ascii_alphabetic())
         {
-            return seconds_in(unit.trim()).map(Some).ok_or_else(|| format!("the unit [{}]", unit.trim()));
+            return seconds_in(without_divisors(unit).trim())
+                .map(Some)
+                .ok_or_else(|| format!("the unit [{}]", unit.trim()));
         }
         // "milli-seconds" and "minute(s)" are one word.
         let mut lower = self.text.to_ascii_lowercase();
@@ -48,7 +80,10 @@ impl Comment {
         for word in ["second", "minute", "hour", "day", "sec"] {
             lower = lower.replace(&format!("{word}(s)"), word);
         }
-        // Characters that are not ASCII, such as the Greek letter of microseconds, are read as question marks.
+        for (spelling, usual) in SPELLINGS {
+            lower = lower.replace(spelling, usual);
+        }
+        // The Greek letter of microseconds.
         if lower.contains("?s") {
             return Err("a unit that is not ASCII".to_owned());
         }
@@ -79,7 +114,8 @@ impl Comment {
         let before = |quantity: &Quantity| text[..quantity.at.start].trim_end();
         let is_limit = |quantity: &&Quantity| {
             let before = before(quantity).trim_end_matches([' ', ':', '=', '.']);
-            lists(LIMITS, &last_word(before))
+            // In "1 min 30 s", "min" is a unit.
+            (lists(LIMITS, &last_word(before)) && all.iter().all(|other| other.at.end != before.len()))
                 || LIMIT_SIGNS.iter().any(|sign| before.ends_with(sign))
                 || text[quantity.at.end..].trim_start().starts_with("resolution")
         };
@@ -114,7 +150,9 @@ impl Comment {
                 let is_in_seconds = agree(duration_s) || times(quantity).is_some_and(|count| agree(count * duration_s));
                 if is_in_seconds { Some(1.0) } else { agree(quantity.number).then_some(quantity.unit_s) }
             };
-            stated.iter().filter_map(unit_s).collect()
+            // "1 min 30 s"
+            let is_sum = agree(stated.iter().map(|quantity| quantity.number * quantity.unit_s).sum());
+            if is_sum { vec![1.0] } else { stated.iter().filter_map(unit_s).collect() }
         };
         units.dedup();
         match units[..] {
@@ -128,13 +166,14 @@ impl Comment {
         // Short words are units only in brackets, after "in" or "unit", or alone: "(s)", "in min", "hr".
         let is_short = |word: &str| {
             word.len() <= 2 && !["us", "ms", "ns"].contains(&word)
-                || ["min", "day", "ora", "ore", "tag", "dia"].contains(&word)
+                || ["min", "day", "ora", "ore", "tag", "dia", "std"].contains(&word)
         };
         let marks = [
             "(",
             "[",
             "in ",
             "en ",
+            "em ",
             "unit ",
             "units ",
             "unit:",
@@ -162,7 +201,9 @@ impl Comment {
             lower.match_indices(&phrase).any(|(at, _)| {
                 let (before, after) = (&lower[..at], &lower[at + phrase.len()..]);
                 let is_word = !(mark.starts_with(is_part_of_word) && before.ends_with(is_part_of_word));
-                is_word && !after.starts_with(|c: char| c == '/' || is_part_of_word(c))
+                // "in H band", "in h-alpha"
+                let is_filter = ["-", " band", " filter"].iter().any(|name| after.starts_with(name));
+                is_word && !is_filter && !after.starts_with(|c: char| c == '/' || is_part_of_word(c))
             })
         };
         // "Exposure time, h" and "Exposure time / min", but not "Exposure time; mount: min"
@@ -188,16 +229,33 @@ impl Comment {
                 return Err(format!("a function of seconds ({form})"));
             }
         }
-        let words = lower.split(|c: char| !c.is_ascii_alphabetic());
-        let mut units: Vec<f64> =
-            words.filter(|word| !is_short(word) || is_marked(word)).filter_map(seconds_in).collect();
+        let words = lower.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty());
+        let words: Vec<&str> = words.collect();
+        let (mut units, mut part): (Vec<f64>, f64) = (Vec::new(), 1.0);
+        for (at, word) in words.iter().enumerate() {
+            let (word, rest) = (*word, fraction(word));
+            let Some((rest, size)) = rest else {
+                units.extend(seconds_in(word).filter(|_| !is_short(word) || is_marked(word)));
+                continue;
+            };
+            // "to the nearest tenth of a second" is an accuracy, and "tenth exposure" a number.
+            let before = words[..at].iter().rev().find(|word| !["a", "the", "nearest"].contains(word));
+            let is_accuracy = before.is_some_and(|word| ["to", "within"].contains(word));
+            let is_next = |word: &&str| seconds_in(word).is_some() && (word.len() > 1 || *word == "s");
+            let is_of_unit = words[at + 1..].iter().take_while(|word| !begins_with_exposure(word)).take(3).any(is_next);
+            let of_word = seconds_in(rest).filter(|_| !ENDINGS.contains(&rest));
+            if !is_accuracy && (of_word.is_some() || is_of_unit) {
+                part = size;
+            } else if !is_accuracy && !rest.is_empty() {
+                return Err(format!("{word} of an unknown unit"));
+            }
+            units.extend(of_word);
+        }
         if units.is_empty() && (is_marked("jd") || is_marked("mjd")) {
             units.push(crate::constants::DAY_S);
         }
         units.sort_by(f64::total_cmp);
         units.dedup();
-        let named = [("thousandth", 1e-3), ("hundredth", 1e-2), ("tenth", 1e-1)];
-        let part = named.iter().find(|(word, _)| lower.contains(word)).map_or(1.0, |(_, part)| *part);
         match units[..] {
             [] => Ok(None),
             [unit_s] => Ok(Some(part * unit_s)),
@@ -259,7 +317,7 @@ fn quantities(text: &str) -> Vec<Quantity> {
 /// Returns true if a text contains a unit divided or multiplied by a number, as in "secs/1000", but not "s / 2 coadds".
 fn is_divided(text: &str) -> bool {
     text.match_indices(['/', '*', 'x']).any(|(at, _)| {
-        let unit = text[..at].trim_end();
+        let unit = text[..at].trim_end_matches([' ', '(']);
         let unit = unit.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
         let number = text[at + 1..].trim_start();
         let end = number_end(number);
@@ -269,16 +327,27 @@ fn is_divided(text: &str) -> bool {
 
 /// Returns true if the first word of a text, in lower case, is one of an exposure, as in "min/frame".
 pub fn begins_with_exposure(text: &str) -> bool {
-    let word = text.trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-    lists(FRAMES, word) || lists(EXPOSURE, word)
+    begins_with(text, FRAMES) || begins_with(text, EXPOSURE)
 }
 
-/// Returns a text without "/frame" and similar words.
+fn begins_with(text: &str, list: &str) -> bool {
+    lists(list, text.trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default())
+}
+
+/// Returns the rest of a word after the stem of a fraction, and the fraction, as in "zehntelsekunden"; `None` for other
+/// words, such as "decimal".
+fn fraction(word: &str) -> Option<(&str, f64)> {
+    let (rest, size) = FRACTIONS.iter().find_map(|(stem, size)| Some((word.strip_prefix(stem)?, *size)))?;
+    (ENDINGS.contains(&rest) || seconds_in(rest).is_some()).then_some((rest, size))
+}
+
+/// Returns a text without "/frame", "per pixel" and similar words.
 fn without_divisors(text: &str) -> String {
+    let text = text.replace(" per ", "/");
     let mut parts = text.split('/');
     let mut kept = parts.next().unwrap_or_default().to_owned();
     for part in parts {
-        if begins_with_exposure(part) {
+        if begins_with_exposure(part) || begins_with(part, PIXELS) {
             kept += part.trim_start().trim_start_matches(|c: char| c.is_ascii_alphabetic());
         } else {
             kept += "/";
@@ -344,10 +413,13 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
     let is_of = |stems: &[&str], name: &str| {
         stems.iter().any(|stem| name.strip_prefix(stem).is_some_and(|ending| ENDINGS.contains(&ending)))
     };
-    let is_second = |name: &str| is_of(&["sec", "second", "segund", "sekund"], name);
+    let begins = |stems: &[&str], name: &str| stems.iter().any(|stem| name.starts_with(stem));
+    let is_second = |name: &str| name == "s" || is_of(&["sec", "second"], name) || begins(&["segund", "sekund"], name);
     let prefixes = [
         ("deci", 0.1),
+        ("d", 0.1),
         ("centi", 1e-2),
+        ("c", 1e-2),
         ("milli", 1e-3),
         ("mili", 1e-3),
         ("m", 1e-3),
@@ -362,21 +434,14 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
     let prefixed =
         || prefixes.iter().find(|(prefix, _)| name.strip_prefix(prefix).is_some_and(is_second)).map(|(_, size)| *size);
     let seconds = match name.as_str() {
-        "s" => 1.0,
-        "ds" => 0.1,
-        "cs" => 1e-2,
-        "ms" => 1e-3,
-        "us" => 1e-6,
-        "ns" => 1e-9,
-        "ks" => 1e3,
         "min" | "mins" | "mn" => 60.0,
         "h" | "hr" | "hrs" => 3600.0,
         "d" => crate::constants::DAY_S,
         name if is_second(name) => 1.0,
-        name if is_of(&["minut"], name) => 60.0,
+        name if begins(&["minut"], name) => 60.0,
         name if is_of(&["hour", "heur", "hora", "stund"], name) => 3600.0,
-        "ora" | "ore" => 3600.0,
-        "giorno" | "giorni" | "tag" | "tage" | "tagen" | "dia" | "dias" => crate::constants::DAY_S,
+        "ora" | "ore" | "uur" | "uren" | "std" => 3600.0,
+        "dagen" | "giorno" | "giorni" | "tag" | "tage" | "tagen" | "dia" | "dias" => crate::constants::DAY_S,
         name if is_of(&["day", "jour"], name) => crate::constants::DAY_S,
         _ => prefixed()?,
     };
@@ -471,6 +536,31 @@ mod tests {
             ("en dias", Ok(Some(86400.0))),
             ("duree en min", Ok(Some(60.0))),
             ("tag of exposure, taken when min", Ok(None)),
+            ("Exposure (min/pixel)", Ok(Some(60.0))),
+            ("min per pixel", Ok(Some(60.0))),
+            ("[min/pixel]", Ok(Some(60.0))),
+            ("Belichtungszeit in Zehntelsekunden", Ok(Some(0.1))),
+            ("Hundertstel Sekunden", Ok(Some(1e-2))),
+            ("Tausendstelsekunden", Ok(Some(1e-3))),
+            ("dixi?mes de seconde", Ok(Some(0.1))),
+            ("centi??mes de seconde", Ok(Some(1e-2))),
+            ("d?cimas de segundo", Ok(Some(0.1))),
+            ("millesimi di secondo", Ok(Some(1e-3))),
+            ("mil?simas de segundo", Ok(Some(1e-3))),
+            ("100ths of a second", Ok(Some(1e-2))),
+            ("d?as", Ok(Some(86400.0))),
+            ("tempo em min", Ok(Some(60.0))),
+            ("belichting in uren", Ok(Some(3600.0))),
+            ("Belichtung (Std.)", Ok(Some(3600.0))),
+            ("Std exposure", Ok(None)),
+            ("micros", Ok(Some(1e-6))),
+            ("seconds to a tenth of a second", Ok(Some(1.0))),
+            ("tenth exposure, seconds", Ok(Some(1.0))),
+            ("seconds, two decimals", Ok(Some(1.0))),
+            ("in minutter", Ok(Some(60.0))),
+            ("Exposure time in H band", Ok(None)),
+            ("in tenths", Err("tenths of an unknown unit".to_owned())),
+            ("sec (x100)", Err("a unit divided or multiplied by a number".to_owned())),
             ("secondary mirror", Ok(None)),
             ("exposure (?s)", Err("a unit that is not ASCII".to_owned())),
         ] {
@@ -490,6 +580,7 @@ mod tests {
             ("5 minutes exposure", 4.0, unclear("5 minutes")),
             ("~5 minutes", 299.0, Ok(Some(1.0))),
             ("exposure 5 min = 300 s", 300.0, Ok(Some(1.0))),
+            ("1 min 30 s", 90.0, Ok(Some(1.0))),
             ("Exposure 1/20 s", 0.05, Ok(Some(1.0))),
             ("Exposure time in 10 ms", 5.0, unclear("10 ms")),
             ("(10 ms)", 5.0, unclear("10 ms")),

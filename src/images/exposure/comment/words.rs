@@ -68,7 +68,7 @@ const OTHER_MEANINGS: &[&str] = &[
 
 /// Words of a part that are written together with a word of the exposure or a clock, as in "tmid" and "expend", and words
 /// that only seem to be such a pair.
-const JOINED_PARTS: &str = "start begin beginn beg mid middle end ende stop";
+const JOINED_PARTS: &str = "start begin beginn beg mid middle mitte end ende stop";
 const NO_PAIRS: &str = "intend endpoint";
 
 /// Returns true if a list of words contains a word, in upper or lower case.
@@ -112,10 +112,11 @@ impl Comment {
             let words = clause.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
             let mut words: Vec<String> = words.flat_map(parts_of_word).map(str::to_owned).collect();
             for phrase in OTHER_MEANINGS {
-                let phrase: Vec<&str> = phrase.split(' ').collect();
-                let is_phrase = |part: &[String]| part.iter().zip(&phrase).all(|(a, b)| a.eq_ignore_ascii_case(b));
-                while let Some(at) = words.windows(phrase.len()).position(is_phrase) {
-                    words.drain(at..at + phrase.len());
+                let is_word =
+                    |at: usize, word: &str| words.get(at).is_some_and(|other| other.eq_ignore_ascii_case(word));
+                let is_phrase = |at: &usize| phrase.split(' ').enumerate().all(|(next, word)| is_word(at + next, word));
+                if let Some(at) = (0..words.len()).find(is_phrase) {
+                    words.drain(at..at + phrase.split(' ').count());
                 }
             }
             words
