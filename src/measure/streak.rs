@@ -43,6 +43,10 @@ const SATURATED_SHARE: f64 = 0.05;
 /// Share of the length that may be near the edge of the frame, or masked, without a flag.
 const EDGE_SHARE: f64 = 0.1;
 const MASKED_SHARE: f64 = 0.5;
+/// Light within this distance (FWHM) of a position at which less than this share of a streak's light would be on usable pixels may
+/// be the wings of a hidden streak.
+const WINGS_WIDTHS: f64 = 3.0;
+const SEEN_SHARE: f64 = 0.1;
 /// Relative difference of measured and assumed width above which the width is flagged.
 const WIDTH_TOLERANCE: f64 = 0.2;
 /// Number of sigmas by which another width or form of the profile must fit better than the assumed one.
@@ -344,8 +348,13 @@ impl Measuring<'_> {
 
         let is_spread = is_spread(&fits, &amplitude, sigma, found.threshold);
         let signal_to_noise = amplitude.value / sigma;
-        let is_detected =
-            !is_dark && found.significance >= found.threshold && signal_to_noise >= found.threshold && is_spread;
+        let wings = (WINGS_WIDTHS * fwhm / cos).ceil() as isize;
+        let seen = least_usable_beside(&band, &drawn.template, self.image.light_area, wings);
+        let is_detected = found.significance >= found.threshold
+            && signal_to_noise >= found.threshold
+            && is_spread
+            && !is_dark
+            && seen >= SEEN_SHARE;
 
         let given_width = seeing_arcsec.is_none();
         // Decrease of the sum of the squared residuals that noise causes with a small probability.
@@ -624,6 +633,27 @@ fn is_spread(fits: &[BlockFit], amplitude: &Amplitude, sigma: f64, threshold: f6
     let blocks: Vec<f64> =
         fits.iter().filter(|fit| fit.weight > 0.3 * mean_weight).filter_map(BlockFit::amplitude).collect();
     blocks.len() < LEAST_BLOCKS || median(blocks) > MEDIAN_SHARE * threshold * sigma
+}
+
+/// Returns the smallest share of a streak's light on pixels with a value, for streaks up to `reach` pixels beside the drawn one;
+/// pixels outside the illuminated area do not count.
+fn least_usable_beside(band: &Band, template: &[f32], light_area: &LightArea, reach: isize) -> f64 {
+    let share = |shift: isize| {
+        let (mut light, mut usable) = (0.0, 0.0);
+        for (at, weight) in template.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
+            let (column, offset) = (at / band.height, (at % band.height) as isize + shift);
+            let Ok(offset) = usize::try_from(offset) else { continue };
+            if offset >= band.height || !light_area.contains(band.pixel(column, offset)) {
+                continue;
+            }
+            light += f64::from(*weight);
+            if band.values[column * band.height + offset].is_finite() {
+                usable += f64::from(*weight);
+            }
+        }
+        if light > 0.0 { usable / light } else { 1.0 }
+    };
+    (-reach..=reach).map(share).fold(1.0, f64::min)
 }
 
 /// Returns the fraction of the streak's length at which a pixel `margin` pixels from its middle, on either side, is

@@ -558,7 +558,7 @@ fn verif_streaks_much_wider_than_the_seeing_are_measured() {
 fn verif_hidden_and_dark_streaks_have_no_limit() {
     let light_area = LightArea::whole(ROWS, COLUMNS);
     for (number, angle_deg) in ANGLES_DEG.into_iter().enumerate() {
-        for signal_to_noise in [30.0, 400.0] {
+        for signal_to_noise in [30.0, 400.0, 4000.0] {
             let case = Case {
                 signal_to_noise,
                 angle_deg,
@@ -573,7 +573,7 @@ fn verif_hidden_and_dark_streaks_have_no_limit() {
             let clear = found.measured;
             assert!(clear.is_detected && !clear.flags.contains(&Flag::Masked) && !clear.flags.contains(&Flag::Dark));
             // The mask reaches to the given distance from the track.
-            for half_width_pix in [4.0, 8.0] {
+            for half_width_pix in [3.0, 4.0, 8.0] {
                 let mut masked = plane.clone();
                 let [from, to] = clear.ends_in_frame();
                 let length_pix = from.distance(to);
@@ -587,7 +587,7 @@ fn verif_hidden_and_dark_streaks_have_no_limit() {
                 let one = measure(&masked, &light_area, &predicted, &optics(&case), &options()).unwrap();
                 let message = format!("{case:?}, {half_width_pix}: {:?}", one.flags);
                 assert!(one.flags.contains(&Flag::Masked) && !one.flags.contains(&Flag::Dark), "{message}");
-                assert!(!one.is_detected || signal_to_noise > 100.0 && half_width_pix < 5.0, "{message}");
+                assert!(!one.is_detected, "{message}");
             }
             // The frame with negative light.
             let mut dark = plane.clone();
