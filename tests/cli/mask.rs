@@ -257,13 +257,13 @@ fn verif_faint_satellites_and_unknown_positions_are_counted_and_named() {
 #[test]
 fn satellites_without_names_are_named_by_their_numbers() {
     let folder = TempDir::new().unwrap();
-    let frame = wide(&folder);
-    let [flag, elements] = published_constellation(&folder, "2026-08-11T12:00:00 UTC");
+    let (frame, mask) = (wide(&folder), path(&folder, "mask.fits"));
+    let [flag, elements] = published_constellation(&folder, "2026-05-01T12:00:00 UTC");
     let text = fs::read_to_string(&elements).unwrap();
     let lines: String =
         text.lines().filter(|line| !line.starts_with("STARLINK")).map(|line| format!("{line}\n")).collect();
     fs::write(&elements, lines).unwrap();
-    let (code, _, stderr) = run(&[&["mask", &frame, "--mpc", "X05", &flag, &elements], WIDE]);
+    let (code, _, stderr) = run(&[&["mask", &frame, "-o", &mask, "--mpc", "X05", &flag, &elements], WIDE]);
     let named = stderr.split_once("the masks of ").and_then(|(_, rest)| rest.split_once(") contain the streak"));
     let numbers = named.and_then(|(names, _)| names.split_once('(')).map(|(_, numbers)| numbers);
     let first = numbers.and_then(|numbers| numbers.split(", ").next()?.parse::<u32>().ok());

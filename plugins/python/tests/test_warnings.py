@@ -87,7 +87,7 @@ def test_warnings_about_frames_are_issued_for_each_call():
     early.update({"DATE-OBS": START[:-1], "TIMESYS": "UTC", "EXPTIME": 30.0, "UT": "23:29:02"})
     calls = {
         "more than half of the pixels": lambda: model.mask(FRAME, width="10deg", **shot),
-        "the gain of HDU 0 is unknown": lambda: model.measure(FRAME, seeing="10arcmin", **shot),
+        "the gain is unknown": lambda: model.measure(FRAME, seeing="10arcmin", **shot),
         "UT": lambda: model.identify(frame=FRAME, header=early, pixels=((10, 10), (90, 90))),
     }
     for words, call in calls.items():

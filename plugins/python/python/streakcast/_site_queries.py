@@ -16,6 +16,7 @@ from ._state import ModelState
 from ._streak import streak_request
 from ._tables import CANDIDATES, EPHEMERIS, FORECAST, NIGHTS, STREAK, table_of
 from ._times import is_time, to_tai
+from ._warnings import warn_of_frames
 from .typing import (
     EndsLike,
     FloatArrayLike,
