@@ -422,7 +422,7 @@ mod tests {
         assert_eq!(table.rows().count(), 3);
     }
 
-    /// Units and missing numbers of a FITS table are kept, and its rows have numbers.
+    /// Units and missing numbers of a FITS table are kept, also with names in capitals, and its rows have numbers.
     #[test]
     fn fits_tables_with_the_columns_of_streaks_are_read() {
         let folder = tempfile::TempDir::new().unwrap();
@@ -435,10 +435,10 @@ mod tests {
         };
         let angles = |name: &str| column(name, "rad", Cells::Real(vec![0.5, f64::NAN]));
         let columns = [
-            column("id", "", Cells::Text(vec!["a \"b\", c".to_owned(), "d".to_owned()])),
+            column("ID", "", Cells::Text(vec!["a \"b\", c".to_owned(), "d".to_owned()])),
             column("hdu", "", Cells::Integer(vec![Some(0), None])),
-            angles("ra1"),
-            angles("dec1"),
+            angles("RA1"),
+            angles("Dec1"),
             angles("ra2"),
             column("dec2", "rad", Cells::Real(vec![0.25, 9.0])),
         ];
