@@ -14,8 +14,7 @@ use super::measure::{MeasureConfig, photometry, unknown_observer_warning, with_s
 use super::prepared::PreparedSky;
 use super::required::FRAMES;
 use super::values::parse_angle_deg;
-use super::warnings::first_of;
-use crate::elements::NoradId;
+use super::warnings::{first_of, name_or_number};
 use crate::error::Error;
 use crate::frames::seconds_after;
 use crate::output::{Provenance, Table, counted};
@@ -387,8 +386,8 @@ impl MaskConfig {
 fn mask_warnings(shown: &str, frame: &TargetFrame, mask: &FrameMask, options: &MaskOptions) -> Vec<String> {
     let mut warnings = unused_streaks(shown, mask);
     let least = LEAST_COVERED * options.coverage;
-    let less: Vec<String> =
-        mask.streaks.iter().filter(|streak| streak.coverage < least).map(|streak| streak.name.to_string()).collect();
+    let less = mask.streaks.iter().filter(|streak| streak.coverage < least);
+    let less: Vec<String> = less.map(|streak| name_or_number(&streak.name, streak.norad_id)).collect();
     if let Some(lowest) = mask.streaks.iter().map(|streak| streak.coverage).min_by(f64::total_cmp)
         && !less.is_empty()
     {
@@ -458,8 +457,4 @@ fn unused_streaks(shown: &str, mask: &FrameMask) -> Vec<String> {
         format!("{shown}: {streaks} not used, because {reason}: {}", first_of(&names))
     };
     by_reason.into_iter().map(warning).collect()
-}
-
-fn name_or_number(name: &str, norad_id: NoradId) -> String {
-    if name.is_empty() { norad_id.to_string() } else { name.to_owned() }
 }

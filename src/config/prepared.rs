@@ -387,7 +387,8 @@ fn merge_parts_of_stations(elements: &mut Vec<ElementSet>) -> Vec<String> {
             is_module || set.norad_id != station.norad_id && is_same_orbit(set, station)
         })
     };
-    let parts = elements.iter().filter(|set| is_part(set)).map(|set| set.name.to_string()).collect();
+    let parts = elements.iter().filter(|set| is_part(set));
+    let parts = parts.map(|set| warnings::name_or_number(&set.name, set.norad_id)).collect();
     elements.retain(|set| !is_part(set));
     parts
 }

@@ -23,9 +23,9 @@ use crate::input::{self, Column, TableRows};
 const ACCEPTED: f64 = 2.0;
 /// Beginning of a file of regions that DS9 saved.
 const DS9_HEAD: &str = "# Region file format: DS9";
-/// Columns of the tables of findsat_mrt and of ASTRiDE.
+/// Columns of the tables of findsat_mrt and of ASTRiDE, in lower case.
 const OF_FINDSAT: [&str; 3] = ["id", "status", "endpoints"];
-const OF_ASTRIDE: [&str; 5] = ["ID", "ep1_x", "ep1_y", "ep2_x", "ep2_y"];
+const OF_ASTRIDE: [&str; 5] = ["id", "ep1_x", "ep1_y", "ep2_x", "ep2_y"];
 
 /// Table of streaks as text.
 pub(super) struct StreakText {
@@ -52,7 +52,7 @@ pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
     }
     let text = if text.starts_with("#ID ") { separated(path, &text)? } else { text };
     let failed = Error::io(path);
-    let rows = TableRows::new(text.clone()).map_err(&failed)?;
+    let rows = TableRows::new(text.clone()).and_then(TableRows::in_lower_case).map_err(&failed)?;
     let has = |columns: &[&'static str]| columns.iter().all(|column| rows.find(column).is_some());
     let text = if has(&OF_FINDSAT) {
         findsat(path, rows)?
@@ -128,7 +128,8 @@ fn at_lines(columns: &str, rows: impl IntoIterator<Item = (u64, String)>) -> Str
 /// Returns `streaks.txt` of ASTRiDE, whose cells are separated by blanks, as CSV.
 fn separated(path: &Path, text: &str) -> Result<String, Error> {
     let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap_or_default().trim_start_matches('#').split_whitespace().collect();
+    let first = lines.next().unwrap_or_default().trim_start_matches('#').to_ascii_lowercase();
+    let names: Vec<&str> = first.split_whitespace().collect();
     if let Some(missing) = OF_ASTRIDE.iter().find(|column| !names.contains(*column)) {
         let what = format!("column {missing} of ASTRiDE");
         let allowed = "a table with ID, ep1_x, ep1_y, ep2_x and ep2_y (ASTRiDE of 2024 or newer)";
@@ -421,7 +422,7 @@ mod tests {
         assert_eq!(table.rows().count(), 3);
     }
 
-    /// Units and missing numbers of a FITS table are kept, and its rows have numbers.
+    /// Units and missing numbers of a FITS table are kept, also with names in capitals, and its rows have numbers.
     #[test]
     fn fits_tables_with_the_columns_of_streaks_are_read() {
         let folder = tempfile::TempDir::new().unwrap();
@@ -434,10 +435,10 @@ mod tests {
         };
         let angles = |name: &str| column(name, "rad", Cells::Real(vec![0.5, f64::NAN]));
         let columns = [
-            column("id", "", Cells::Text(vec!["a \"b\", c".to_owned(), "d".to_owned()])),
+            column("ID", "", Cells::Text(vec!["a \"b\", c".to_owned(), "d".to_owned()])),
             column("hdu", "", Cells::Integer(vec![Some(0), None])),
-            angles("ra1"),
-            angles("dec1"),
+            angles("RA1"),
+            angles("Dec1"),
             angles("ra2"),
             column("dec2", "rad", Cells::Real(vec![0.25, 9.0])),
         ];

@@ -1,5 +1,5 @@
 //! Table of streaks that a user or a detector of streaks wrote, one row a streak: the ends of each streak in pixels or on
-//! the sky, and the frame to which it belongs.
+//! the sky, and the frame to which it belongs. Upper and lower case of the names of columns are equivalent.
 
 use std::fmt::{self, Display};
 use std::io;
@@ -143,7 +143,7 @@ impl StreakTable {
     pub(crate) fn read<T>(path: &Path, also: impl FnOnce(&TableRows) -> io::Result<T>) -> Result<(Self, T), Error> {
         let failed = Error::io(path);
         let StreakText { text, lines_before_rows } = streak_catalogues::read(path)?;
-        let rows = TableRows::new(text).map_err(&failed)?;
+        let rows = TableRows::new(text).and_then(TableRows::in_lower_case).map_err(&failed)?;
         let mut forms = Vec::new();
         for (kind, columns) in &FORM_COLUMNS {
             let mut found = Vec::new();
@@ -270,7 +270,11 @@ impl StreakRow<'_> {
             Some(number) if (least..=most).contains(&number) => Ok(Some(number)),
             _ => {
                 let or = sexagesimal.map_or_else(String::new, |(_, example)| format!(", or text such as {example}"));
-                Err(self.invalid(name, text, format!("{least} to {most}{or}")))
+                let range = match least {
+                    f64::MIN_POSITIVE => format!("above 0, at most {most}"),
+                    _ => format!("{least} to {most}{or}"),
+                };
+                Err(self.invalid(name, text, range))
             }
         }
     }
@@ -301,10 +305,10 @@ impl StreakRow<'_> {
         }
     }
 
-    /// Returns true if a cell of an end is not empty.
+    /// Returns true if the four cells of a form of the ends are not empty.
     pub fn has_ends(&self) -> bool {
-        let columns = self.table.forms.iter().flat_map(|form| &form.columns);
-        columns.into_iter().any(|column| !self.cells.is_missing(column.column))
+        let is_given = |column: &Bounded| !self.cells.is_missing(column.column);
+        self.table.forms.iter().any(|form| form.columns.iter().all(is_given))
     }
 
     /// Returns the ends of the streak: those of the first form whose four cells have numbers, in the order pixel ends,

@@ -186,6 +186,16 @@ impl TableRows {
         Ok(Self { rows, names, units, comments, comments_like_rows, count: 0 })
     }
 
+    /// Writes the names of the columns in lower case.
+    ///
+    /// # Errors
+    /// Two columns then have the same name.
+    pub fn in_lower_case(self) -> io::Result<Self> {
+        let names = unique(self.names.iter().map(|name| name.to_ascii_lowercase()).collect())?.into();
+        let units = self.units.into_iter().map(|(name, unit)| (name.to_ascii_lowercase(), unit)).collect();
+        Ok(Self { names, units, ..self })
+    }
+
     /// Returns the names of all columns.
     pub fn names(&self) -> &[String] {
         &self.names

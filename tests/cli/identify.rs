@@ -287,11 +287,12 @@ fn streaks_of_tables_and_detectors_are_identified() {
         .collect();
     std::fs::write(&table, format!("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg\n{text}")).unwrap();
     assert_eq!(identified(&table, &["--start", "2026-08-14T23:29:05Z", "--exposure", "30s"]), expected);
-    // Rows that cannot be used are left out: no ends, equal ends, outside of the frame. Lines end in the frame.
+    // Rows that cannot be used are left out: no ends, part of them, equal ends, outside of the frame. Lines end in the
+    // frame. Names of columns may be in capitals.
     let [x1, y1, x2, y2] = line(0);
     let (fx, fy) = (x2 + 0.2 * (x2 - x1), y2 + 0.2 * (y2 - y1));
-    let text = format!("long,{x1},{y1},{fx},{fy}\nempty,,,,\nequal,5,5,5,5\nfar,9000,9000,9100,9100\n");
-    std::fs::write(&table, format!("id,x1_pix,y1_pix,x2_pix,y2_pix\n{text}")).unwrap();
+    let text = format!("long,{x1},{y1},{fx},{fy}\nempty,,,,\npart,,10,20,30\nequal,5,5,5,5\nfar,9000,9000,9100,9100\n");
+    std::fs::write(&table, format!("ID,X1_PIX,y1_pix,x2_pix,Y2_PIX\n{text}")).unwrap();
     let (code, found, error) = run(&[
         &["identify", "--streaks", &table, "--image", &frame, "--top", "1", "--format", "csv"],
         &satellites[..4],
@@ -306,7 +307,7 @@ fn streaks_of_tables_and_detectors_are_identified() {
     ]);
     let answer: Value = serde_json::from_str(&json).unwrap();
     assert!(answer["provenance"]["models"].is_array() && answer["provenance"]["band"].is_string(), "{answer}");
-    for words in ["streaks without ends are left out: empty", "line 4: ", "line 5: "] {
+    for words in ["streaks without ends are left out: empty, part", "line 5: ", "line 6: "] {
         assert!(error.contains(words), "{words}: {error}");
     }
     // Detectors count pixels from 0. Trails that failed a test of findsat_mrt are left out.

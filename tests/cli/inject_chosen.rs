@@ -232,7 +232,8 @@ fn verif_invalid_tables_name_file_row_column_and_allowed_values() {
         ),
         (format!("{ENDS},magnitude,enter_s,exit_s\n1,2,3,4,9,20,10\n"), "line 2: exit_s is 10 s; allowed: later"),
         (format!("{ENDS},magnitude,light_curve\n1,2,3,4,9,none.csv\n"), "none.csv: light curve:"),
-        (format!("{ENDS},magnitude\n"), "number of streaks is 0; allowed: 1 or more"),
+        (format!("{ENDS},peak\n1,2,3,4,-1\n"), "line 2: peak is '-1'; allowed: above 0, at most 1000000000000"),
+        (format!("{ENDS},magnitude,X1_PIX\n1,2,3,4,9,1\n"), "two columns have the name x1_pix; allowed: one"),
         ("ra1_m,dec1_deg,ra2_deg,dec2_deg,magnitude\n1,2,3,4,9\n".to_owned(), "allowed: x1_pix"),
     ] {
         fs::write(&table, &text).unwrap();
@@ -253,6 +254,37 @@ fn verif_invalid_tables_name_file_row_column_and_allowed_values() {
         assert_eq!(error.trim().lines().count(), 1, "{error}");
         assert!(!std::path::Path::new(&output).exists());
     }
+}
+
+/// A table without rows is that of a frame in which nothing is to be injected. Names of columns may be in capitals.
+#[test]
+fn verif_tables_may_have_no_rows_and_names_in_capitals() {
+    let folder = TempDir::new().unwrap();
+    let (added, truth) = injected(&folder, "x1_pix,y1_pix,x2_pix,y2_pix,magnitude\n", &[]);
+    assert!(added.iter().all(|added| *added == 0.0) && truth.len() == 1, "{truth:?}");
+    let table = "ID,X1_PIX,Y1_Pix,x2_pix,y2_pix,MAGNITUDE\nown,40,60,160,100,11\n";
+    let (added, truth) = injected(&folder, table, &[]);
+    assert!(added.iter().sum::<f64>() > 0.0 && column(&truth, "name") == ["own"]);
+}
+
+/// A second injection keeps the truth of the first: HDUs with the same name have different versions.
+#[test]
+fn verif_each_injection_has_its_own_truth() {
+    let folder = TempDir::new().unwrap();
+    let [first, second, third, table] =
+        ["first.fits", "second.fits", "third.fits", "a.csv"].map(|name| path(&folder, name));
+    fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix,magnitude\n40,60,160,100,11\n").unwrap();
+    for (input, output) in [(&plain(&folder), &first), (&first, &second), (&second, &third)] {
+        let flags = ["--streaks", &table, "--seeing", "2.5arcsec", "--quiet"];
+        done(&[&["inject", "--image", input, "-o", output], &flags]);
+    }
+    let file = FrameFile::open(std::path::Path::new(&third)).unwrap();
+    let version = |hdu: usize| file.header(hdu).unwrap().integer("EXTVER").unwrap_or(1);
+    let found: Vec<(&str, i64)> = file.hdus()[1..].iter().map(|hdu| (hdu.name.as_str(), version(hdu.index))).collect();
+    let truth = |version| [("STREAKS", version), ("STREAK_POINTS", version)];
+    let expected =
+        [[("MASK", 1)].as_slice(), &truth(1), &[("MASK_0", 1)], &truth(2), &[("MASK_0", 2)], &truth(3)].concat();
+    assert_eq!(found, expected);
 }
 
 /// A size without a distance has no angle.

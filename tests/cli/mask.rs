@@ -253,6 +253,23 @@ fn verif_faint_satellites_and_unknown_positions_are_counted_and_named() {
     assert_eq!(json(&polygons)["left_out"].as_array().unwrap().len(), 4408);
 }
 
+/// Element sets of two lines have no names.
+#[test]
+fn satellites_without_names_are_named_by_their_numbers() {
+    let folder = TempDir::new().unwrap();
+    let (frame, mask) = (wide(&folder), path(&folder, "mask.fits"));
+    let [flag, elements] = published_constellation(&folder, "2026-05-01T12:00:00 UTC");
+    let text = fs::read_to_string(&elements).unwrap();
+    let lines: String =
+        text.lines().filter(|line| !line.starts_with("STARLINK")).map(|line| format!("{line}\n")).collect();
+    fs::write(&elements, lines).unwrap();
+    let (code, _, stderr) = run(&[&["mask", &frame, "-o", &mask, "--mpc", "X05", &flag, &elements], WIDE]);
+    let named = stderr.split_once("the masks of ").and_then(|(_, rest)| rest.split_once(") contain the streak"));
+    let numbers = named.and_then(|(names, _)| names.split_once('(')).map(|(_, numbers)| numbers);
+    let first = numbers.and_then(|numbers| numbers.split(", ").next()?.parse::<u32>().ok());
+    assert!(code == 0 && first.is_some(), "{stderr}");
+}
+
 /// Corridors of measured streaks are narrow, and contain the streaks.
 #[test]
 fn verif_measured_streaks_are_masked_where_they_were_found() {
@@ -426,6 +443,15 @@ fn verif_one_bit_for_all_planes_of_a_file() {
     for (hdu, used) in [(1, 1), (3, 0b111)] {
         let bits: Vec<i16> = values(&output, hdu).iter().map(|bits| *bits as i16).collect();
         assert!(bits.iter().any(|bits| bits & 8 == 8) && bits.iter().all(|bits| bits & !8 & !used == 0));
+    }
+    // The number of a bit with another name is an error, in the first plane or another; that of STREAK is not.
+    let marked = written(&folder, "two.fits", &[sci(1), named(1, 1), sci(2), dq(2, "MP_EDGE = 4\nMP_STREAK= 5\n", 1)]);
+    for (bit, part) in
+        [("0", "HDU 1: mask bit is 0, that of MP_BAD; allowed: --bit BAD"), ("4", "that of MP_EDGE"), ("5", "")]
+    {
+        let (code, _, stderr) =
+            run(&[&["mask", &marked, "--into", "DQ", "--bit", bit, "-o", &output], WIDE, SATELLITES]);
+        assert!(code == if part.is_empty() { 0 } else { 2 } && stderr.contains(part), "{bit}: {stderr}");
     }
     // A number that only one plane names is used in the other if it is free there.
     for (used, expected) in [(1, Some(5)), (32, None)] {

@@ -127,15 +127,15 @@ fn streaks_outside_of_the_frame_have_rows_with_flags() {
     let rows = format!(
         "id,norad_id,name,x1_pix,y1_pix,x2_pix,y2_pix\nwhole,44713,STARLINK-1007,{x1},{y1},{x2},{y2}\n\
          outside,,,-500,-500,-300,-200\nhalf,,,40,300,-60,310\nthrough,,,-100,{SIDE},1200,500\n\
-         short,,,500,500,505,503\npoint,,,300,300,300,300\nnone,,,,,,\n"
+         short,,,500,500,505,503\npoint,,,300,300,300,300\nnone,,,,,,\npart,,,,10,20,30\n"
     );
     fs::write(&table, rows).unwrap();
     let document = json(&[&["measure", &frame, "--streaks", &table, "--seeing", "1.5arcsec", "--quiet"]]);
     let rows = document["measurements"].as_array().unwrap();
     let cells = |name: &str| rows.iter().map(|row| row[name].clone()).collect::<Vec<_>>();
-    assert_eq!(cells("streak"), ["whole", "outside", "half", "through", "short", "point", "none"]);
+    assert_eq!(cells("streak"), ["whole", "outside", "half", "through", "short", "point", "none", "part"]);
     let flags: Vec<String> = cells("flags").iter().map(ToString::to_string).collect();
-    for (flags, flag) in flags.iter().zip(["", "outside", "open", "open", "short", "short", "no_ends"]) {
+    for (flags, flag) in flags.iter().zip(["", "outside", "open", "open", "short", "short", "no_ends", "no_ends"]) {
         assert!(flags.contains(flag), "{flags} {flag}");
     }
     assert!(!flags[0].contains("open"), "{flags:?}");
@@ -148,7 +148,6 @@ fn streaks_outside_of_the_frame_have_rows_with_flags() {
     assert!(rows[2]["duration_s"].as_f64().unwrap() < 15.0 && rows[2]["ends"] == 1, "{}", rows[2]);
     let row = |text: &str| format!("id,image,hdu,norad_id,x1_pix,y1_pix,x2_pix,y2_pix\n{text}\n");
     for (text, words) in [
-        (row("a,,,,1,2,3,"), "line 2: y2_pix is missing; allowed"),
         (row("a,none.fits,,,1,2,3,4"), "line 2: image is 'none.fits'; allowed"),
         (row("a,,7,,1,2,3,4"), "line 2: hdu is 7; allowed: HDU 0 of"),
         (row("a,,,x,1,2,3,4"), "line 2: norad_id is 'x'; allowed"),

@@ -14,7 +14,8 @@ use crate::failure;
 /// Contiguous arrays are not copied.
 #[pyfunction]
 pub fn write_frame(py: Python<'_>, path: PathBuf, images: Vec<(String, Bound<'_, PyAny>, String)>) -> PyResult<()> {
-    let allowed = "invalid frame array; allowed: two axes of float32, float64, uint8, int16, uint16 or int32";
+    // Other integers than those of `Array` arrive as int32.
+    let allowed = "invalid frame array; allowed: two axes of float32, float64, or integers within the range of int32";
     let arrays: Vec<Array<'_>> = images
         .iter()
         .map(|(_, pixels, _)| pixels.extract().map_err(|_| PyTypeError::new_err(allowed)))

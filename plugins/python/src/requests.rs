@@ -119,7 +119,7 @@ pub fn ephemeris<'py>(
 }
 
 /// Returns the candidates for a measured streak: `candidates` and `streak` as columns, `unknown_probability`,
-/// `n_candidates` and `warnings`.
+/// `n_candidates`, `warnings`, and `remarks` about the frame.
 #[pyfunction]
 #[pyo3(signature = (request, engine, include_dark, top))]
 pub fn identify<'py>(
@@ -131,7 +131,7 @@ pub fn identify<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::json)?;
     let engine = engine.get();
-    let (tables, found, warnings) = failure::without_lock(py, |watch| {
+    let (tables, found, warnings, remarks) = failure::without_lock(py, |watch| {
         let plan = identify.resolve(&engine.setup).map_err(exception)?;
         let streak = &plan.streak;
         let (start, end): (Epoch, Epoch) = (streak.start(), seconds_after(streak.start(), streak.duration_s()));
@@ -147,9 +147,9 @@ pub fn identify<'py>(
         });
         let tables = (candidate_table(rows), streak_table(streak));
         let warning = prepared.left_out_warning(&found.left_out, start).map_err(failure::setup)?;
-        let warnings = found.unknown_observer.iter().chain(&warning).chain(&plan.remarks);
-        let warnings = failure::all_as_arguments(warnings);
-        Ok((tables, found, warnings))
+        let warnings = failure::all_as_arguments(found.unknown_observer.iter().chain(&warning));
+        let remarks = failure::all_as_arguments(&plan.remarks);
+        Ok((tables, found, warnings, remarks))
     })?;
     let result = PyDict::new(py);
     result.set_item("candidates", columns(py, &tables.0)?)?;
@@ -157,6 +157,7 @@ pub fn identify<'py>(
     result.set_item("unknown_probability", found.unknown_probability)?;
     result.set_item("n_candidates", found.candidates.len())?;
     result.set_item("warnings", PyList::new(py, warnings)?)?;
+    result.set_item("remarks", PyList::new(py, remarks)?)?;
     Ok(result)
 }
 

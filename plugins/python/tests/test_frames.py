@@ -252,7 +252,7 @@ def test_invalid_frames_are_named(model):
         (TypeError, NDData(image, wcs=SlicedLowLevelWCS(WCS(header()), np.s_[:, :])), {}, "wcs of the frame is .*; allowed: an astropy.wcs.WCS"),
         (ValueError, ccd(wcs=table_wcs), {}, "lookup tables of distortion"),
         (ValueError, raw, {}, "do_not_scale_image_data"),
-        (TypeError, ccd(image.astype("complex64")), {}, "allowed: two axes of float32"),
+        (TypeError, ccd(image.astype("complex64")), {}, "allowed: two axes of float32, float64, or integers within the range of int32"),
         (ValueError, fits.HDUList([fits.PrimaryHDU()]), {}, "frame"),
         (ValueError, None, {}, r"frame has the shape \(\)"),
     ]:

@@ -174,13 +174,24 @@ def test_streaks_of_tables_in_memory_equal_those_of_files(frame, model, tmp_path
 
 
 def test_streaks_outside_of_the_frame_have_rows(frame):
+    QTable, u = pytest.importorskip("astropy.table").QTable, pytest.importorskip("astropy.units")
     outside = [{"id": "away", "x1_pix": -90, "y1_pix": -90, "x2_pix": -10, "y2_pix": -50}, {"id": "none", "x1_pix": None}]
     columns = ("x1_pix", "y1_pix", "x2_pix", "y2_pix")
     rows = [{"id": row["id"], **{name: row.get(name) for name in columns}} for row in outside]
     measured = streakcast.measure_streaks(frame[0], rows)
     assert [list(flags) for flags in measured.table["flags"]] == [["outside"], ["no_ends"]]
     assert np.isnan(measured.table["flux"]).all() and len(measured.learn_arguments["norad_id"]) == 0
-    for streaks, words in (([1, 2], "allowed: a path, an astropy Table"), ({"x": [1], "y": [1, 2]}, "of one length"), ([{"x1_pix": 1}], "streaks")):
+    for streaks, words in (
+        ([1, 2], "allowed: a path, an astropy Table"),
+        ({"x": [1], "y": [1, 2]}, "of one length"),
+        ([{"x1_pix": 1}], "streaks"),
+        ({}, "^streaks have no columns; allowed"),
+        ([], "^streaks have no columns; allowed"),
+        (QTable(), "^streaks have no columns; allowed"),
+        ({"x1_pix": 1.0}, "^column x1_pix of streaks is float; allowed: a list or an array"),
+        ({"id": "one"}, "^column id of streaks is str; allowed"),
+        ({"x1_pix": 1.0 * u.pix}, "^column x1_pix of streaks is Quantity; allowed"),
+    ):
         with pytest.raises((TypeError, ValueError, streakcast.StreakcastError), match=words):
             streakcast.measure_streaks(frame[0], streaks)
     with pytest.raises(ValueError, match="place_sigma is given without streaks"):

@@ -80,6 +80,23 @@ def test_a_warning_with_other_numbers_is_not_repeated():
     assert [str(one.message) for one in found] == [*calls[0], calls[2][1]]
 
 
+def test_warnings_about_frames_are_issued_for_each_call():
+    """All frames in memory have the same name."""
+    model, shot = new_model(), dict(header=frame_header(), start=START, exposure=30.0)
+    early = frame_header()
+    early.update({"DATE-OBS": START[:-1], "TIMESYS": "UTC", "EXPTIME": 30.0, "UT": "23:29:02"})
+    calls = {
+        "more than half of the pixels": lambda: model.mask(FRAME, width="10deg", **shot),
+        "the gain is unknown": lambda: model.measure(FRAME, seeing="10arcmin", **shot),
+        "UT": lambda: model.identify(frame=FRAME, header=early, pixels=((10, 10), (90, 90))),
+    }
+    for words, call in calls.items():
+        first, second = ([str(one.message) for one in caught(call)] for _ in range(2))
+        # Warnings about the elements are issued once.
+        assert [message for message in first if "simulated" not in message] == second, (first, second)
+        assert any(words in message for message in second), (words, second)
+
+
 def test_warnings_of_many_nights_are_merged():
     model = new_model()
     model._open()[0].news()

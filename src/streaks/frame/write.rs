@@ -55,7 +55,7 @@ pub struct Injected {
 ///
 /// If a chip has a variance plane ([`TargetChip::variance_hdu`]) and noise was added, the variance of the light is
 /// added to that plane. If requested, a mask for each chip with streaks and the tables `STREAKS` and `STREAK_POINTS`
-/// are appended after the HDUs of the frame. A mask is named `MASK`, or `MASK_<chip>` if there are several chips or
+/// are appended after the HDUs of the frame, with the first EXTVER that is free in it. A mask is named `MASK`, or `MASK_<chip>` if there are several chips or
 /// `MASK` exists. Chips without streaks are not changed. The streaks come from [`crate::streaks::draw_on_chip`], in any
 /// order.
 ///
@@ -109,11 +109,15 @@ pub fn inject(
         }
     }
     if options.write_truth {
-        append_masks(&mut copy, frame, masks, &options.planes)?;
+        let mut taken = versions(&frame.file)?;
+        let version = free_version(&taken, &["STREAKS", "STREAK_POINTS"], None);
+        append_masks(&mut copy, frame, masks, &options.planes, &mut taken)?;
         let rows: Vec<TruthRow<'_>> = truth_rows(streaks, &report.clipped_counts, frame.exposure_s, options.seed);
-        let cards: Vec<Card> = options.history.iter().flat_map(|line| Card::remark("HISTORY", line)).collect();
+        let version = version_card(version);
+        let history = options.history.iter().flat_map(|line| Card::remark("HISTORY", line));
+        let cards: Vec<Card> = version.iter().cloned().chain(history).collect();
         copy.append_table("STREAKS", &fits_columns(&truth_table(&rows)), &cards)?;
-        copy.append_table("STREAK_POINTS", &fits_columns(&points_table(&rows)), &[])?;
+        copy.append_table("STREAK_POINTS", &fits_columns(&points_table(&rows)), &version)?;
     }
     for (hdu, changed) in copy.finish()? {
         if frame.chips.iter().any(|target| target.chip.hdu == hdu) {
@@ -318,16 +322,16 @@ fn append_masks(
     frame: &TargetFrame,
     masks: Vec<(&TargetChip, ImageValues<'static>)>,
     planes: &MaskPlanes,
+    taken: &mut Vec<(String, i64)>,
 ) -> Result<(), Error> {
     let has_mask = frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case("MASK"));
     let is_one = frame.chips.len() == 1 && !has_mask;
-    let mut taken = Vec::new();
     for (target, image) in masks {
         let card =
             |keyword: &str, value: i64, comment: &str| Card::with_value(keyword, &CardValue::Integer(value), comment);
         let mut cards = card("MP_STREAK", i64::from(planes.streak_bit), "bit: streak above the noise");
         cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: injected light"));
-        let (name, more) = mask_name(frame, target, is_one, &mut taken)?;
+        let (name, more) = mask_name(frame, target, is_one, taken)?;
         cards.extend(more);
         copy.append_image(&name, image, &cards, None);
     }
@@ -335,8 +339,8 @@ fn append_masks(
 }
 
 /// Returns the name of the mask of a chip, and the cards that state its version and its chip. The name is `MASK` if it is
-/// the only one, otherwise it contains that of the chip. Masks with the same name have different versions; `taken` holds
-/// those of the other masks of the file.
+/// the only one, otherwise it contains that of the chip. HDUs with the same name have different versions; `taken` holds
+/// those of the other HDUs of the file.
 pub(in crate::streaks) fn mask_name(
     frame: &TargetFrame,
     target: &TargetChip,
@@ -347,18 +351,30 @@ pub(in crate::streaks) fn mask_name(
     let chip = if target.chip.name.is_empty() { hdu.to_string() } else { target.chip.name.clone() };
     let name = if is_one { "MASK".to_owned() } else { format!("MASK_{chip}") };
     let own = frame.file.header(hdu)?.integer("EXTVER");
-    let is_taken = |version: i64| taken.iter().any(|other| *other == (name.clone(), version));
-    let version = own.into_iter().chain(1..).find(|version| !is_taken(*version)).unwrap_or(1);
-    let card =
-        |keyword: &str, value: i64, comment: &str| Card::with_value(keyword, &CardValue::Integer(value), comment);
-    let mut cards = Vec::new();
+    let version = free_version(taken, &[&name], own);
     // The version of a name is 1 without EXTVER.
-    if own.is_some() || version > 1 {
-        cards.extend(card("EXTVER", version, "version of the extension name"));
-    }
-    cards.extend(card("IMAGEHDU", hdu as i64, "masked HDU, counted from 0"));
+    let mut cards = if own.is_some() || version > 1 { version_card(version) } else { Vec::new() };
+    cards.extend(Card::with_value("IMAGEHDU", &CardValue::Integer(hdu as i64), "masked HDU, counted from 0"));
     taken.push((name.clone(), version));
     Ok((name, cards))
+}
+
+/// Returns the names of the HDUs of a file, and their versions.
+fn versions(file: &FrameFile) -> Result<Vec<(String, i64)>, Error> {
+    let all = file.hdus().iter();
+    all.map(|hdu| Ok((hdu.name.clone(), file.header(hdu.index)?.integer("EXTVER").unwrap_or(1)))).collect()
+}
+
+/// Returns `preferred`, or else the first version from 1, that is free for all of the names.
+fn free_version(taken: &[(String, i64)], names: &[&str], preferred: Option<i64>) -> i64 {
+    let is_taken = |version: i64| {
+        taken.iter().any(|(name, other)| *other == version && names.iter().any(|own| own.eq_ignore_ascii_case(name)))
+    };
+    preferred.into_iter().chain(1..).find(|version| !is_taken(*version)).unwrap_or(1)
+}
+
+fn version_card(version: i64) -> Vec<Card> {
+    Card::with_value("EXTVER", &CardValue::Integer(version), "version of the extension name")
 }
 
 /// Converts a table to the columns of a FITS table; times and lists become text.

@@ -84,9 +84,6 @@ impl ChosenStreaks {
             }
             streaks.push(ChosenStreak::of_row(&row, number, &columns, path)?);
         }
-        if streaks.is_empty() {
-            return Err(Error::invalid("number of streaks", 0, "1 or more").in_file("", path));
-        }
         let names = [&GivenColumns::NAMES[..], &["magnitude", "peak", "light_curve"]].concat();
         Ok(Self { path: path.to_owned(), streaks, remarks: table.remarks(&names) })
     }

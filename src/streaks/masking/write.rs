@@ -241,7 +241,7 @@ impl ChosenPlanes {
     ///
     /// # Errors
     /// A plane is missing, not a mask of whole numbers, or of another size; it is not known which chip it describes; the
-    /// bit does not exist in it; or pixels of 64 bits are outside ±2⁵³.
+    /// bit does not exist in it, or its number is that of another name; or pixels of 64 bits are outside ±2⁵³.
     pub fn new(frame: &TargetFrame, planes: &[PlaneChoice], bit: &MaskBit) -> Result<Self, Error> {
         let of_chips = planes_of(frame, planes)?;
         let path = frame.file.path();
@@ -262,7 +262,16 @@ impl ChosenPlanes {
             if format.bitpix == Bitpix::I64 {
                 used_bits(frame, *hdu)?;
             }
-            names.push((*hdu, bit_names(frame.file.header(*hdu)?)));
+            let bits = bit_names(frame.file.header(*hdu)?);
+            if let MaskBit::Number(number) = bit
+                && let Some((name, _)) = bits.iter().find(|(name, bit)| *bit == number && *name != "STREAK")
+            {
+                let allowed = format!("--bit {name}, or a number that no MP_ keyword of this plane has");
+                return Err(
+                    Error::invalid("mask bit", format!("{number}, that of MP_{name}"), allowed).in_hdu(path, *hdu)
+                );
+            }
+            names.push((*hdu, bits));
         }
         let name = match bit {
             MaskBit::Number(number) => return Ok(Self { of_chips, bit: *number, new_name: None }),

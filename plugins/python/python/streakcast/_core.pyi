@@ -86,6 +86,7 @@ class Identified(TypedDict):
     n_candidates: int
     unknown_probability: float
     warnings: list[str]
+    remarks: list[str]
 
 class Measured(TypedDict):
     measurements: list[Column]

@@ -21,7 +21,7 @@ from ._sparse import SparseImage
 from ._streak_tables import streak_files
 from ._tables import TRUTH, Main, table_of
 from ._times import to_tai
-from ._warnings import warn
+from ._warnings import warn_of_frames
 from .typing import (
     FloatArrayLike,
     FloatLike,
@@ -292,8 +292,7 @@ def inject(
         request = json.dumps(_without_none({**options, "image": [*files.paths]}))
         result = _core.inject(request, json.dumps(setup), config, sky_cache, target)
         done = _done(files.images[0], target, output, with_mask=not pixels_only)
-    for message in dict.fromkeys(result["warnings"]):
-        warn(files.shown(message))
+    warn_of_frames(files.shown(message) for message in result["warnings"])
     if model is not None:
         # Old element sets, as in the other methods.
         model._warn_once([])

@@ -17,6 +17,7 @@ from ._quantities import finite_scalar, scalar
 from ._setup import document
 from ._streak_tables import streak_files
 from ._tables import Main, table_of
+from ._warnings import warn_of_frames
 from .typing import (
     FloatLike, FrameLike, HeaderLike, Json, Options, Output, PathLike, StreaksLike, Table, TimeLike, WholeLike,
 )  # fmt: skip
@@ -180,7 +181,9 @@ class MaskQueries(MeasureQueries):
         def shown(text: str) -> str:
             return files.shown(own.shown(text))
 
-        self._warn_once([shown(message) for message in result["warnings"]])
+        warn_of_frames(shown(message) for message in result["warnings"])
+        # Warnings about the elements and the measurements of this sky.
+        self._warn_once([own.shown(message) for message in sky_cache.news()])
         return StreakMask(
             masks=result["masks"],
             streaks=table_of(files.named(result["streaks"]), table, main=_STREAKS),

@@ -18,7 +18,7 @@ from ._quantities import scalar
 from ._setup import absolute, document
 from ._streak_tables import streak_files
 from ._tables import Main, arrays_of, table_of
-from ._warnings import warn
+from ._warnings import warn_of_frames
 from .typing import (
     FloatArray,
     FloatLike,
@@ -183,7 +183,9 @@ class MeasureQueries(ExposureQueries):
             stars=stars, star_colours=star_colours, zero_point=zero_point, zero_point_1s=zero_point_1s, gain=gain,
             saturation=saturation, band=band, telescope=telescope, table=table,
         )  # fmt: skip
-        self._warn_once(warnings)
+        warn_of_frames(warnings)
+        # Warnings about the elements.
+        self._warn_once([])
         return measurements
 
 
@@ -225,8 +227,7 @@ def measure_streaks(
         A frame has no zero point, the gain is unknown, or chips were omitted.
     """
     measurements, warnings = _measure(frames, streaks, ({}, None, None), place_sigma=place_sigma, **options)
-    for message in dict.fromkeys(warnings):
-        warn(message)
+    warn_of_frames(warnings)
     return measurements
 
 

@@ -16,6 +16,7 @@ from ._state import ModelState
 from ._streak import streak_request
 from ._tables import CANDIDATES, EPHEMERIS, FORECAST, NIGHTS, STREAK, table_of
 from ._times import is_time, to_tai
+from ._warnings import warn_of_frames
 from .typing import (
     EndsLike,
     FloatArrayLike,
@@ -378,7 +379,8 @@ class SiteQueries(ModelState):
             listed = count(top, "top", 1)
             is_dark = None if include_dark is None else bool(include_dark)
             result = _core.identify(json.dumps(request), self._engine, is_dark, listed)
-        self._warn_once([files.shown(message) for message in result["warnings"]])
+        warn_of_frames(files.shown(remark) for remark in result["remarks"])
+        self._warn_once(result["warnings"])
         return Identification(
             table_of(result["candidates"], output, main=CANDIDATES),
             table_of(result["streak"], output, main=STREAK),

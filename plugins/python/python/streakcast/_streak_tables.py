@@ -56,6 +56,10 @@ def streak_files(streaks: StreaksLike | Sequence[PathLike] | None, name: str = "
 
 
 def _write(streaks: object, path: str) -> None:
+    if isinstance(streaks, Mapping):
+        for name, column in streaks.items():
+            if not _has_rows(column):
+                raise TypeError(f"column {name} of streaks is {type(column).__name__}; allowed: a list or an array with a value for each streak")
     if isinstance(streaks, Mapping) and any(is_quantity(column) for column in streaks.values()):
         from astropy.table import QTable
 
@@ -64,15 +68,30 @@ def _write(streaks: object, path: str) -> None:
         # A row that begins with # would be a comment: columns of text are not the first ones.
         columns: Mapping[str, Any] = getattr(streaks, "columns")
         names = sorted(columns, key=lambda name: getattr(getattr(columns[name], "dtype", None), "kind", "O") in "SUO")
+        _check_columns(names)
         cast("Any", streaks)[names].write(path, format="ascii.ecsv")
         return
     rows = _rows(streaks)
-    names = list(dict.fromkeys(name for row in rows for name in row))
+    names = list(streaks if isinstance(streaks, Mapping) else dict.fromkeys(name for row in rows for name in row))
+    _check_columns(names)
     with open(path, "w", newline="", encoding="utf-8") as file:
         # Quotation marks keep names that begin with #, which would be comments.
         writer = csv.DictWriter(file, names, restval="", quoting=csv.QUOTE_NONNUMERIC)
         writer.writeheader()
         writer.writerows({name: _cell(value, name) for name, value in row.items()} for row in rows)
+
+
+def _has_rows(column: Any) -> bool:
+    try:
+        len(column)
+    except TypeError:
+        return False
+    return not isinstance(column, (str, bytes))
+
+
+def _check_columns(names: Sequence[str]) -> None:
+    if not names:
+        raise ValueError("streaks have no columns; allowed: a table or a dictionary with the columns of the ends, which may have no rows")
 
 
 def _rows(streaks: object) -> list[dict[str, Any]]:

@@ -6,7 +6,7 @@ import contextlib
 import os
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextvars import ContextVar
 from types import FrameType
 from typing import Callable
@@ -39,6 +39,13 @@ def warn(message: str) -> None:
     while _is_of_package(frame) and frame.f_back is not None:
         level, frame = level + 1, frame.f_back
     warnings.warn(message, StreakcastWarning, stacklevel=level)
+
+
+def warn_of_frames(messages: Iterable[str]) -> None:
+    """Issues the warnings about the frames of one call, which are not omitted in later calls: frames in memory have the same
+    name."""
+    for message in dict.fromkeys(messages):
+        warn(message)
 
 
 def _is_of_package(frame: FrameType) -> bool:

@@ -8,4 +8,5 @@ class ChangedFileError(SetupError):
 
 
 class StreakcastWarning(UserWarning):
-    """Limitation of a result: old element sets, rejected records, synthetic satellites. Issued once per model."""
+    """Limitation of a result: old element sets, rejected records, synthetic satellites. Issued once per model; those about
+    a frame, for each call."""
