@@ -68,6 +68,7 @@ class OverheadRows(TypedDict):
     moment: _Integers
     norad_id: _Integers
     direction: FloatArray
+    probability: FloatArray
     range_km: FloatArray
     angular_rate_deg_s: FloatArray
     lost_width_arcsec: FloatArray
