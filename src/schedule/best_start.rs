@@ -9,6 +9,8 @@ use super::report::{TICK_S, judge_exposures};
 use super::scheduled::ScheduledExposure;
 use super::verdict::Verdict;
 
+/// Largest number of intervals between the openings of the shutter that are judged for one start.
+const MOST_INTERVALS: f64 = 10.0;
 /// Number of later starts whose costs are compared.
 pub const COMPARED_STARTS: u32 = 60;
 
@@ -18,16 +20,16 @@ pub const COMPARED_STARTS: u32 = 60;
 pub struct BestStart {
     /// Delay after the scheduled start, seconds.
     pub delay_s: f64,
-    /// Expected cost of the streaks of the delayed exposure, seconds of open shutter: the larger one of those of shutter
-    /// openings at the start and `margin_s` of the policy later.
+    /// Expected cost of the streaks of the delayed exposure, seconds of open shutter: the largest one of shutter openings
+    /// from the start to the `margin_s` of the policy later.
     pub streak_cost_s: f64,
     /// The same for the exposure as scheduled.
     pub scheduled_cost_s: f64,
 }
 
-/// Returns the cost of the streaks of an exposure for each delay, in seconds of open shutter: the larger one of the costs
-/// with this delay and with one that is longer by the `margin_s` of the policy, because the shutter opens at an unknown time
-/// in between. `None` without a telescope, and if an exposure cannot be judged.
+/// Returns the cost of the streaks of an exposure for each delay, in seconds of open shutter. The shutter opens at an unknown
+/// time up to the `margin_s` of the policy later: the cost is the largest one of openings from this delay to the end of the
+/// margin, at equal intervals of at most the length of the exposure (a tenth of the margin for short exposures). `None` without a telescope, and if an exposure cannot be judged.
 ///
 /// # Errors
 /// Passes cannot be computed.
@@ -42,16 +44,23 @@ pub fn delayed_costs_s(
         ..row.clone()
     };
     let margin_s = request.policy.margin_or_default_s();
-    let rows: Vec<_> = delays_s.iter().flat_map(|delay_s| [delayed(*delay_s), delayed(delay_s + margin_s)]).collect();
+    let intervals = (margin_s / exposure.duration_s).ceil().clamp(1.0, MOST_INTERVALS) as u32;
+    let openings_s = |delay_s: &f64| {
+        let delay_s = *delay_s;
+        (0..=intervals).map(move |number| delay_s + margin_s * f64::from(number) / f64::from(intervals))
+    };
+    let rows: Vec<_> = delays_s.iter().flat_map(openings_s).map(delayed).collect();
     let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
-    let larger = |ends: &[Verdict]| Some(ends[0].streak_cost_s?.max(ends[1].streak_cost_s?));
-    Ok(flags.chunks_exact(2).map(larger).collect())
+    let largest = |openings: &[Verdict]| {
+        openings.iter().try_fold(0.0, |largest: f64, opening| Some(largest.max(opening.streak_cost_s?)))
+    };
+    Ok(flags.chunks_exact(intervals as usize + 1).map(largest).collect())
 }
 
 /// Returns the start at which cost plus delay is smallest, among the scheduled start and 60 later ones at equal
 /// intervals. `None` without a telescope, and if the exposure cannot be judged.
 ///
-/// The shutter opens up to `margin_s` of the policy after a start, whose cost is the larger one of those of both openings.
+/// The shutter opens up to `margin_s` of the policy after a start, whose cost is the largest one of these openings.
 ///
 /// A delay that is longer than the cost at the scheduled start saves nothing, so that the starts extend over this cost,
 /// and at most over `longest_s`; a cost below 0.06 s is not reduced. If the cost at the scheduled start exceeds the

@@ -487,7 +487,7 @@ impl Engine {
                 rows.direction.extend(snapshot.point.direction.vector().iter());
                 rows.probability.push(snapshot.probability);
                 rows.range_km.push(range_km);
-                rows.rate_deg_s.push(middle.angular_rate_rad_s.to_degrees());
+                rows.rate_deg_s.push(snapshot.angular_rate_rad_s.to_degrees());
                 rows.lost_width_arcsec.push(lost_width_arcsec);
                 rows.magnitude.push(magnitude);
                 rows.p_brighter.extend(&p_brighter);

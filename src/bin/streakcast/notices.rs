@@ -29,7 +29,8 @@ pub struct WarningsOfNights {
 impl WarningsOfNights {
     /// Adds a warning, and returns true if it is the first of its kind, which the caller prints.
     pub fn is_first(&mut self, warning: &str) -> bool {
-        let kind = warning.replace(|c: char| c.is_ascii_digit() || c == '.' || c == ',', "");
+        let kind: Vec<&str> = warning.split(' ').map(|word| if is_number(word) { "#" } else { word }).collect();
+        let kind = kind.join(" ");
         let is_first = !self.last.contains_key(&kind);
         if self.texts.insert(warning.to_owned()) {
             self.last.insert(kind, Some(warning.to_owned()).filter(|_| !is_first));
@@ -45,9 +46,16 @@ impl WarningsOfNights {
         let omitted = self.texts.len() - kinds - last.len();
         if omitted > 0 {
             let omitted = counted(omitted, "warning", "warnings");
-            notices.warn(&[format!("not printed: {omitted} of other nights, which differ in numbers")]);
+            notices.warn(&[format!("not printed: {omitted} that differ from these in numbers")]);
         }
     }
+}
+
+/// Returns true for a number, a date or a time, with signs of punctuation around it.
+fn is_number(word: &str) -> bool {
+    let inner = word.trim_matches(|c: char| !c.is_ascii_alphanumeric());
+    inner.starts_with(|c: char| c.is_ascii_digit())
+        && inner.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | ',' | ':' | '-' | '+' | 'T' | 'Z'))
 }
 
 /// Writer of messages to standard error.

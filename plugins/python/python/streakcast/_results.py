@@ -114,10 +114,10 @@ class Overhead(NamedTuple):
     direction: FloatArray
     #: Probability of this position at this time; 1 without ``possible=True``.
     probability: FloatArray
-    #: Range, km. This and the next columns are computed for the middle row of each satellite, and repeated in its other
-    #: rows.
+    #: Range, km. This and the columns after the angular rate are computed for the middle row of each satellite, and repeated
+    #: in its other rows.
     range_km: FloatArray
-    #: Angular rate relative to the stars, degrees per second.
+    #: Angular rate relative to the stars at this position, degrees per second.
     angular_rate_deg_s: FloatArray
     #: Width of the strip of pixels lost to the streak, arcseconds; NaN without a telescope.
     lost_width_arcsec: FloatArray

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
+use streakcast::frames::seconds_between;
 use streakcast::output::format_utc;
 use streakcast::schedule::BestStart;
 
@@ -98,6 +99,16 @@ pub fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value
     status.insert(name.to_owned(), value.into());
 }
 
+/// Returns the part of the log line that states by how much an exposure without a wait starts after the last start that was
+/// judged; empty if it is in time.
+fn late(waited_s: f64, until: Epoch, flags: &Flags) -> String {
+    let late_s = seconds_between(until, flags.clock.now());
+    if waited_s > 0.0 || late_s <= 0.0 {
+        return String::new();
+    }
+    format!(" ({late_s:.1} s ago, because the computation took longer than --margin)")
+}
+
 /// Returns the log line of a run.
 pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
     // With --strict the host does not start the exposure.
@@ -107,17 +118,19 @@ pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
             let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
             let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
             let costs = most_s.map(|most_s| format!(", streaks cost at most {most_s} s")).unwrap_or_default();
-            format!("gate: clear {after}{costs}, starts until at least {}{others}", format_utc(*until, 0))
+            let late = if most_s.is_some() { late(*waited_s, *until, flags) } else { String::new() };
+            format!("gate: clear {after}{costs}, starts until at least {}{late}{others}", format_utc(*until, 0))
         }
         Ok(GateVerdict::Best { waited_s, until, best, .. }) => {
             let (after, instead) = match *waited_s > 0.0 {
                 true => (format!("after {waited_s:.1} s"), format!(" instead of {:.2} s", best.scheduled_cost_s)),
                 false => ("now".to_owned(), String::new()),
             };
-            let until = format_utc(*until, 1);
             format!(
-                "gate: start {after}, streaks cost {:.2} s{instead}, starts until at least {until}",
-                best.streak_cost_s
+                "gate: start {after}, streaks cost {:.2} s{instead}, starts until at least {}{}",
+                best.streak_cost_s,
+                format_utc(*until, 1),
+                late(*waited_s, *until, flags)
             )
         }
         Ok(GateVerdict::NotClear { most_s }) => {

@@ -75,7 +75,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     let notices = decision.notices.unwrap_or_else(|| Notices::from_config(&flags.config));
     let (mut status, mut result) = (decision.status, fault.map_or(decision.result, Err));
     let rest = left(flags.deadline, flags.timeout).max(STATUS);
-    if let Some((waited_s, first, _)) = result.as_ref().ok().and_then(GateVerdict::start)
+    if let Some((waited_s, first, until)) = result.as_ref().ok().and_then(GateVerdict::start)
         && waited_s > 0.0
     {
         if let Some(path) = flags.host.status_file.clone() {
@@ -86,13 +86,11 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
             }
         }
         flags.clock.sleep_until(first);
-    }
-    if let Some((_, first, until)) = result.as_ref().ok().and_then(GateVerdict::start) {
         let now = flags.clock.now();
         let late_s = seconds_between(first, now);
         if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
             let message = format!(
-                "the clock was set, or the machine was suspended or slow: {late_s:+.1} s from the start that was judged"
+                "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the start that was judged"
             );
             result = Err(Fault::new(FaultKind::Clock, message));
         }
@@ -235,31 +233,21 @@ fn verdict(
     }
     let below = || {
         let message = format!(
-            "target {} is below the horizon of {}; allowed: a target above the horizon",
+            "target {} is below the horizon of {}, or sets during the exposure; allowed: a target above the horizon",
             target.exposure.id, site.name
         );
         Fault::new(FaultKind::Target, message)
     };
     if by_cost {
-        let mut from = now;
-        let (first, until, best) = loop {
-            let longest_s = (flags.max_wait_s - seconds_between(now, from)).max(0.0);
-            let best = best_start(&row_of(&target, from), longest_s, &window_request.conditions)
-                .map_err(|error| setup_fault(&error))?;
-            let Some(best) = best else { return Err(below()) };
-            state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
-            if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
-                return Ok(GateVerdict::NotClear { most_s: policy.max_cost_s });
-            }
-            let first = seconds_after(from, best.delay_s);
-            let until = seconds_after(first, policy.margin_or_default_s());
-            let ended = flags.clock.now();
-            if ended <= until || from > now {
-                break (first, until, best);
-            }
-            // The start is over. Those after a second computation, which takes as long, are compared.
-            from = seconds_after(ended, seconds_between(from, ended));
-        };
+        let best = best_start(&row_of(&target, now), flags.max_wait_s, &window_request.conditions)
+            .map_err(|error| setup_fault(&error))?;
+        let Some(best) = best else { return Err(below()) };
+        state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
+        if policy.max_cost_s.is_some_and(|most_s| best.streak_cost_s > most_s) {
+            return Ok(GateVerdict::NotClear { most_s: policy.max_cost_s });
+        }
+        let first = seconds_after(now, best.delay_s);
+        let until = seconds_after(first, policy.margin_or_default_s());
         let waited_s = seconds_between(flags.clock.now(), first).max(0.0);
         state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
         state(status, "start_utc", format_utc(first, 3));
