@@ -215,7 +215,7 @@ fn starts_of_parts(text: &str, first: ElementFormat) -> Vec<(usize, ElementForma
     if first == ElementFormat::Tle && !OTHERS.iter().any(|keyword| text.contains(keyword)) {
         return starts;
     }
-    let (mut at, mut before) = (0, None);
+    let (mut at, mut before, mut is_open) = (0, None, false);
     let mut current = first;
     for line in text.split_inclusive(['\n', '\r']) {
         let offset = at;
@@ -227,7 +227,10 @@ fn starts_of_parts(text: &str, first: ElementFormat) -> Vec<(usize, ElementForma
         let found = format_started_by(line).unwrap_or(current);
         // Tables with other titles have their own columns.
         let has_titles = found == ElementFormat::OmmCsv && before.is_some() && omm_csv::looks_like(line);
-        let is_next_message = found == ElementFormat::OemKvn && before.is_some() && ephemeris::opens_oem_kvn(line);
+        // Comments may be before the keyword that opens the first message.
+        let opens = ephemeris::opens_oem_kvn(line);
+        let is_next_message = found == ElementFormat::OemKvn && opens && is_open;
+        is_open = opens || is_open && found == current;
         if found != current || has_titles || is_next_message {
             // The name of a satellite is in the line before.
             let name = before.filter(|(_, line): &(usize, &str)| !line.contains(['<', '>', '{', '}', '=', ',', '"']));

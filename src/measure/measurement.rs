@@ -165,7 +165,7 @@ pub struct StreakMeasurement {
     /// and the accuracy of the fit.
     pub form_sigma: f64,
     /// Rate that is excluded at the given number of sigmas everywhere in the corridor. It is not a limit with the flags
-    /// `Masked` and `Dark`.
+    /// `Masked`, `Dark`, `Position` and `Clipped`.
     pub rate_limit: f64,
     /// Fitted rate divided by its error without `size_sigma` and `form_sigma`. Unlike `rate`, the fitted rate is not
     /// corrected for the bias by the fitted position.

@@ -28,6 +28,7 @@ const CONTROL_STEP_WIDTHS: f64 = 0.75;
 const NARROW_PIX: f64 = 1.6;
 const GRID_PIX: f64 = 1.0;
 const GRID_WIDTHS: f64 = 0.4;
+const LEAST_WIDTH_PIX: f64 = 0.8;
 /// Number of iterations of mask, offset and angle.
 const ITERATIONS: usize = 6;
 /// Smallest signal to noise at which the width is measured.
@@ -272,7 +273,7 @@ impl Measuring<'_> {
         let mut blocks = Blocks::new(band.len(), block, half_width);
 
         if self.profile.fwhm_pix() < NARROW_PIX {
-            shift = self.best_of_grid(&band, &blocks, &shift)?;
+            shift = self.best_of_grid(&band, &blocks, extent, &shift)?;
         }
         let Some(mut drawn) = self.drawn(&band, &shift)? else { return Ok(None) };
         let mut stars = mask_stars(&band, &drawn.template, &blocks, fwhm, true);
@@ -349,12 +350,12 @@ impl Measuring<'_> {
         let is_spread = is_spread(&fits, &amplitude, sigma, found.threshold);
         let signal_to_noise = amplitude.value / sigma;
         let wings = (WINGS_WIDTHS * fwhm / cos).ceil() as isize;
-        let seen = least_usable_beside(&band, &drawn.template, self.image.light_area, wings);
+        let seen = || least_usable_beside(&band, &drawn.template, self.image.light_area, wings);
         let is_detected = found.significance >= found.threshold
             && signal_to_noise >= found.threshold
             && is_spread
             && !is_dark
-            && seen >= SEEN_SHARE;
+            && seen() >= SEEN_SHARE;
 
         let given_width = seeing_arcsec.is_none();
         // Decrease of the sum of the squared residuals that noise causes with a small probability.
@@ -438,18 +439,23 @@ impl Measuring<'_> {
 
     /// Returns the shift of a fine grid of offsets and tilts around a shift with the most significant light, of which stars are
     /// masked.
-    fn best_of_grid(&self, band: &Band, blocks: &Blocks, shift: &Shift) -> Result<Shift, Error> {
+    fn best_of_grid(&self, band: &Band, blocks: &Blocks, extent: &Extent, shift: &Shift) -> Result<Shift, Error> {
         let Some(drawn) = self.drawn(band, shift)? else { return Ok(*shift) };
         let fwhm = self.profile.fwhm_pix();
         let stars = mask_stars(band, &drawn.template, blocks, fwhm.max(1.0), true);
         let half_length_pix = 0.5 * band.len() as f64 / band.cos;
-        let count = (GRID_PIX / (GRID_WIDTHS * fwhm)).ceil() as i32;
+        // A streak has light in at least one pixel, however narrow it is.
+        let count = (GRID_PIX / (GRID_WIDTHS * fwhm.max(LEAST_WIDTH_PIX))).ceil() as i32;
         let pix = |step: i32| f64::from(step) * GRID_PIX / f64::from(count);
         let (mut best, mut most) = (*shift, 0.0);
         for (across, turn) in (-count..=count).flat_map(|across| (-count..=count).map(move |turn| (across, turn))) {
             let offset_pix = shift.offset_pix + pix(across);
             let tilt_rad = shift.tilt_rad + pix(turn) / half_length_pix;
             let moved = Shift { offset_pix, tilt_rad, ..*shift };
+            // Towards a neighbour the light is that of the neighbour.
+            if offset_pix.abs() > extent.to_neighbour_pix {
+                continue;
+            }
             let Some(drawn) = self.drawn(band, &moved)? else { continue };
             let fits = fit_blocks(band, &band.values, &stars.mask, &drawn.template, 0, blocks);
             // A √(Σ m'²)
@@ -639,9 +645,10 @@ fn is_spread(fits: &[BlockFit], amplitude: &Amplitude, sigma: f64, threshold: f6
 /// pixels outside the illuminated area do not count.
 fn least_usable_beside(band: &Band, template: &[f32], light_area: &LightArea, reach: isize) -> f64 {
     let share = |shift: isize| {
-        let (mut light, mut usable) = (0.0, 0.0);
+        let (mut all, mut light, mut usable) = (0.0, 0.0, 0.0);
         for (at, weight) in template.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
             let (column, offset) = (at / band.height, (at % band.height) as isize + shift);
+            all += f64::from(*weight);
             let Ok(offset) = usize::try_from(offset) else { continue };
             if offset >= band.height || !light_area.contains(band.pixel(column, offset)) {
                 continue;
@@ -651,7 +658,8 @@ fn least_usable_beside(band: &Band, template: &[f32], light_area: &LightArea, re
                 usable += f64::from(*weight);
             }
         }
-        if light > 0.0 { usable / light } else { 1.0 }
+        // A streak whose middle is outside of the image cannot be seen, whether or not its wings are masked.
+        if 2.0 * light > all { usable / light } else { 1.0 }
     };
     (-reach..=reach).map(share).fold(1.0, f64::min)
 }

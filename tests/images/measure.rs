@@ -629,9 +629,14 @@ fn verif_streaks_beside_the_edge_are_found() {
             radius_m: 0.0,
             radius_sigma_m: 0.0,
         };
-        let one = measure(&plane, &light_area, &predicted, &profile, &options()).unwrap();
-        assert!(one.is_detected, "{edge_pix}: {} of {}", one.significance, one.threshold);
-        assert!((one.rate.value / 6000.0 - 1.0).abs() < ERROR, "{edge_pix}: {:?}", one.rate);
+        // Also with a border of two masked columns, as of an amplifier, outside of the light of the streak.
+        let mut with_border = plane.clone();
+        with_border.values_mut().chunks_exact_mut(COLUMNS).for_each(|row| row[..2].fill(f32::NAN));
+        for plane in [Some(plane), (number == 2).then_some(with_border)].into_iter().flatten() {
+            let one = measure(&plane, &light_area, &predicted, &profile, &options()).unwrap();
+            assert!(one.is_detected, "{edge_pix}: {} of {}", one.significance, one.threshold);
+            assert!((one.rate.value / 6000.0 - 1.0).abs() < ERROR, "{edge_pix}: {:?}", one.rate);
+        }
     }
 }
 

@@ -353,6 +353,10 @@ fn no_ephemeris_of_a_concatenated_file_is_lost() {
             }
         }
     }
+    // A title and comments before the first keyword.
+    let titled = format!("COMMENT a title\nCOMMENT two lines\n{}\n{}", oems[0], oems[0]);
+    let catalogue = read(titled.as_bytes()).unwrap();
+    assert_eq!((catalogue.ephemerides.len(), reasons(&catalogue)), (2 * segments[0], vec![]));
     // The line of an error is that of the whole file.
     let wrong = oems[0].replacen("META_STOP", "META_STOPPED", 1);
     let at = wrong.split("META_STOPPED").next().unwrap().matches('\n').count() + 1;
