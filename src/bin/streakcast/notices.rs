@@ -158,3 +158,18 @@ impl Notices {
         bar
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_of_warnings_differ_in_more_than_numbers() {
+        let mut warnings = WarningsOfNights::default();
+        assert!(warnings.is_first("gp1.tle ends with a broken record (line 12)"));
+        assert!(!warnings.is_first("gp1.tle ends with a broken record (line 13)"));
+        assert!(warnings.is_first("gp2.tle ends with a broken record (line 12)"));
+        assert!(warnings.is_first("3 sets are 12.5 days from 2026-03-20T03:00:00Z"));
+        assert!(!warnings.is_first("1,400 sets are 9 days from 2026-03-21T03:00:00Z"));
+    }
+}
