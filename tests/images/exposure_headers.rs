@@ -87,6 +87,10 @@ fn verif_missing_and_contradictory_keywords() {
             "DATE-OBS= '2020-03-06T02:00:00+02:00'\nTIMESYS = 'TT'\nEXPTIME = 60",
             "has a zone as in UTC, and its scale is TT",
         ),
+        (
+            "DATE-OBS= '2020-03-06T00:00:00 UTC'\nTIMESYS = 'TAI'\nEXPTIME = 60",
+            "has a zone as in UTC, and its scale is TAI",
+        ),
         ("DATE-OBS= '2020-03-06T00:00:00'\nTIMESYS = 'LST'\nEXPTIME = 60", "TIMESYS is \"LST\"; allowed: UTC, TAI"),
         (
             "DATE-OBS= '2020-03-06T00:00:00'\nMJD-OBS = 58914.0010\nEXPTIME = 60",
@@ -661,6 +665,7 @@ fn verif_other_readings_of_a_header_are_stated() {
         ("TZNAME  = 'MST'", "TZNAME is MST: if it is a local time"),
         ("DST     = T / daylight saving time", "DST is T: if it is a local time"),
         ("DAYLTSAV= T", "DAYLTSAV is T"),
+        ("DST     = 'YES'", "DST is YES"),
         ("EXPSTACK= 600.0", "EXPSTACK is 600 s"),
         ("CLKREF  = 'LOCAL' / clock reference", "CLKREF is LOCAL"),
         ("DURATION= 130.0", "DURATION is 130 s"),
@@ -877,6 +882,8 @@ fn verif_gaps_in_an_exposure_are_stated() {
         (600.0, "TELAPSE = 604.0"),
         (60.0, "NFRAMES = 5 / frames of the sequence"),
         (60.0, "MJD-END = 61274.1"),
+        (60.0, "DST     = 'NO'"),
+        (60.0, "DSTATUS = 'OK'"),
     ] {
         assert_eq!(remarks(length_s, card), [""; 0], "{card}");
     }
@@ -910,6 +917,17 @@ fn valid_times_of_devices() {
         let found = time(&format!("DATE    = '2026-08-22T03:20:12.5'\n{stated}\nEXPTIME = 300")).unwrap();
         assert_eq!(found.remarks, [""; 0], "{stated}");
     }
+    // Another order of UTDATE, and a zone beside TAI.
+    begins(
+        "DATE-OBS= '1995-07-08'\nUTDATE  = '07/08/95'\nUT      = '06:00:00'\nEXPTIME = 60",
+        "1995-07-08T06:00:00",
+        "DATE-OBS + UT",
+    );
+    begins(
+        "DATE-OBS= '2026-08-22T03:00:00Z'\nTIMESYS = 'TAI'\nMJD-OBS = 61274.125000\nEXPTIME = 60",
+        "2026-08-22T02:59:23",
+        "MJD-OBS",
+    );
     // The AAT, and the Mosaic camera of Kitt Peak, whose clocks differ by seconds.
     begins("UTDATE  = '2014:01:19'\nUTSTART = '11:45:20'\nEXPOSED = 60.0", "2014-01-19T11:45:20", "UTDATE + UTSTART");
     let mosaic = "DATE-OBS= '2014-09-22T01:35:48.0'\nMJDSTART= 56922.066558066\nEXPTIME = 60\n";

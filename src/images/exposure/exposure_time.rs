@@ -37,8 +37,13 @@ const COARSE_S: f64 = 10.0;
 /// <https://iraf.noao.edu/projects/mosaic/imagedef/mosaic/MosaicV1.dic>).
 const APPROXIMATE: &str = "APPROXIMATE";
 
-/// Beginnings of keywords of the zone of a local time, its offset from universal time or its summer time, without hyphens.
-const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF", "DST", "DAYL", "SUMMERT"];
+/// Beginnings of keywords of the zone of a local time or its offset from universal time, without hyphens.
+const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
+
+/// Keywords of summer time, beginnings of others, and texts with which they state it.
+const SUMMER_TIMES: &[&str] = &["DST", "DAYLTSAV"];
+const SUMMER_TIME_STEMS: &[&str] = &["DAYLIGHT", "SUMMERT"];
+const YES: &[&str] = &["T", "Y", "YES", "ON", "TRUE"];
 
 /// Beginnings of keywords of the clock, whose value may be "local".
 const CLOCKS: &[&str] = &["CLOCK", "CLK", "TIMETYP", "TIMEBAS", "TIMESRC"];
@@ -443,7 +448,10 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
     let of_card = keywords.cards().find_map(|card| {
         let name = card.keyword();
         let bare = name.replace(['-', '_', ' '], "");
+        let is_summer_time =
+            SUMMER_TIMES.contains(&&*bare) || SUMMER_TIME_STEMS.iter().any(|stem| bare.starts_with(stem));
         let is_zone = bare == "TZ"
+            || is_summer_time
             || ZONES.iter().any(|zone| bare.starts_with(zone))
             || Comment::new(&card.comment()).is_of_zone()
             || (CLOCKS.iter().any(|clock| bare.starts_with(clock))
@@ -463,7 +471,18 @@ fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<St
         let is_zero = value.chars().all(|c| "+-0:. Z".contains(c));
         let has_offset = value.contains(|c: char| matches!(c, '1'..='9'));
         let is_zone = !is_zero && (has_offset || !Comment::new(&value).is_universal());
-        let is_local = value.parse().map_or(is_zone, is_offset);
+        let is_yes = YES.contains(&&*value.to_ascii_uppercase());
+        let is_local = match value.parse::<f64>() {
+            Ok(number) if is_summer_time => number != 0.0,
+            Ok(number) => is_offset(number),
+            Err(_) => {
+                if is_summer_time {
+                    is_yes
+                } else {
+                    is_zone
+                }
+            }
+        };
         is_local.then_some((name, value))
     });
     let (name, value) = of_card.or_else(camera)?;

@@ -4,11 +4,14 @@ use hifitime::{Epoch, TimeScale};
 
 use crate::constants::DAY_S;
 use crate::error::Error;
-use crate::frames::{epoch_from_jd, epoch_from_mjd, has_zone, seconds_after, seconds_between};
+use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
 use super::super::card::{Card, CardValue};
 use super::comment::{AFTER_EXPOSURE, Comment, Role};
-use super::moment::{DateText, Keywords, at, bare, is_spelling, parse_date, parse_time, resolution, without_offset};
+use super::moment::{
+    DateText, Keywords, at, bare, has_zone, is_spelling, parse_date, parse_date_of, parse_time, resolution,
+    without_offset,
+};
 
 /// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
 pub(super) const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
@@ -151,7 +154,7 @@ pub struct Instants {
     pub unclear: Option<Error>,
     /// Error of a date without a time.
     pub day_alone: Option<Error>,
-    /// Error of an instant that its comment makes unusable, such as a local time.
+    /// Error of an instant that its comment or its zone makes unusable, such as a local time.
     unusable: Option<Error>,
     /// Instants in local time, read as if they were UTC.
     local: Vec<Epoch>,
@@ -238,11 +241,7 @@ impl Reader<'_> {
     fn date(&mut self, keyword: &str) -> Result<(), Error> {
         let Some((from, value, comment)) = self.keywords.text_and_comment(keyword) else { return Ok(()) };
         let scale = self.scale_of(&comment);
-        match parse_date(&value, scale) {
-            DateText::Moment(_) if scale != TimeScale::UTC && has_zone(&value) => {
-                let given = format!("{value:?}, which has a zone as in UTC, and its scale is {scale}");
-                return Err(Error::invalid(from, given, "a time without Z or offset, TIMESYS = 'UTC', or --start"));
-            }
+        match parse_date_of(keyword, &value, scale) {
             DateText::Moment(epoch) => self.add(instant(epoch, from, Role::Start), &value, &[comment]),
             DateText::Day(day) => {
                 if !self.time_of(day, &from, &value, &comment)? && self.instants.day_alone.is_none() {
@@ -519,8 +518,14 @@ impl Reader<'_> {
     }
 
     /// Adds an instant, with the role that the first comment with a role states, or else its own, the usual one.
-    /// Instants that a comment makes unusable are kept as errors.
+    /// Instants that a comment, or a zone beside another scale than UTC, makes unusable are kept as errors.
     fn add(&mut self, instant: Instant, value: &str, comments: &[Comment]) {
+        if instant.epoch.time_scale != TimeScale::UTC && has_zone(value) {
+            let given = format!("{value:?}, which has a zone as in UTC, and its scale is {}", instant.epoch.time_scale);
+            let error = Error::invalid(instant.from, given, "a time without Z or offset, TIMESYS = 'UTC', or --start");
+            self.instants.unusable.get_or_insert(error);
+            return;
+        }
         let usual = instant.role;
         let is_start = |keyword: &str| NAMED_STARTS.iter().any(|name| is_spelling(name, keyword));
         let is_named = usual != Role::Start || instant.from.split(" + ").any(is_start);

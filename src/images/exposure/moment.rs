@@ -46,15 +46,25 @@ pub(super) fn without_offset(text: &str) -> (&str, f64) {
     split().unwrap_or((text, 0.0))
 }
 
+/// Returns true if a date with a time states universal time or an offset from it.
+pub(super) fn has_zone(text: &str) -> bool {
+    without_offset(text).0 != text.trim()
+}
+
 /// First year with satellites, of years with two digits.
 const FIRST_YEAR: u32 = 1957;
 const MONTHS: &str = "jan feb mar apr may jun jul aug sep oct nov dec";
 
 /// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank or an underscore may replace the T, slashes, dots or nothing the
-/// hyphens, and an offset from universal time may follow. `26/10/92` is a date of 1992 (FITS standard 4.0, section 4.4.2.1),
-/// and a year of three digits counts from 1900. Other dates that end with the year are read if they exist in only one
-/// order, as `22.08.2026` and `22-Aug-2026`.
+/// hyphens, and an offset from universal time may follow. A year of two or three digits counts from 1900. Dates that end with
+/// the year are read if they exist in only one order, as `22.08.2026` and `22-Aug-2026`.
 pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
+    parse_date_of("", text, scale)
+}
+
+/// Parses the date in a keyword as [`parse_date`]. `05/06/92` in DATE-OBS is June 5, 1992 (FITS standard 4.0, section
+/// 4.4.2.1).
+pub(super) fn parse_date_of(keyword: &str, text: &str, scale: TimeScale) -> DateText {
     let (text, offset_s) = without_offset(text);
     // Not the T in "Oct".
     let is_separator = |at: &usize| match text.as_bytes()[*at] {
@@ -97,7 +107,7 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
         readings.dedup();
         match readings[..] {
             [date] => date,
-            [date, _] if is_short && day.contains('/') => date,
+            [date, _] if is_short && day.contains('/') && keyword == "DATE-OBS" => date,
             _ => return DateText::Unclear,
         }
     };
@@ -258,7 +268,7 @@ mod tests {
 
     #[test]
     fn verif_dates() {
-        let at = |text: &str| parse_date(text, TimeScale::UTC);
+        let at = |text: &str| parse_date_of("DATE-OBS", text, TimeScale::UTC);
         let expected = DateText::Moment(Epoch::from_gregorian_utc(2020, 3, 6, 0, 4, 15, 410_235_000));
         for text in [
             "2020-03-06T00:04:15.410235",
@@ -288,6 +298,11 @@ mod tests {
         ] {
             assert_eq!(at(text), DateText::Day(day), "{text}");
         }
+        assert_eq!(parse_date("05/06/92", TimeScale::UTC), DateText::Unclear);
+        for text in ["2026-08-22T03:15:00 UTC", "2026-08-22_03:15:00+02:00", "2026-08-22T03:15:00z"] {
+            assert!(has_zone(text), "{text}");
+        }
+        assert!(!has_zone(" 2026-08-22T03:15:00"));
         for text in ["06/03/2020", "06.03.2020 00:04:15", "20-12-09", "26/10/20", "05-06-92"] {
             assert_eq!(at(text), DateText::Unclear, "{text}");
         }

@@ -28,7 +28,8 @@ impl Comment {
     pub fn is_local(&self) -> bool {
         // "local time converted to UTC", "UTC = local + 7 h"
         let before_sign = self.text.split_once('=').map(|(before, _)| Self::new(before));
-        if (self.has("converted") && self.has_pair("to into", UNIVERSAL))
+        let is_converted = self.has("converted") && !self.has("not never be must should");
+        if (is_converted && self.has_pair("to into", UNIVERSAL))
             || before_sign
                 .is_some_and(|name| name.words().next().is_some() && name.words().all(|word| lists(UNIVERSAL, word)))
         {

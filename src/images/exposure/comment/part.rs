@@ -56,7 +56,10 @@ impl Comment {
         }
         if self.has("rjd tjd djd")
             || self.has_pair("reduced truncated dublin", "jd julian")
-            || self.text.match_indices("2400000").any(|(at, number)| !self.text[at + number.len()..].starts_with(".5"))
+            || self.text.match_indices("2400000").any(|(at, number)| {
+                let rest = &self.text[at + number.len()..];
+                !rest.starts_with(|c: char| c.is_ascii_digit()) && !rest.starts_with(".5") && !rest.starts_with(",5")
+            })
         {
             return Err("a Julian date from another day on");
         }
@@ -107,10 +110,16 @@ impl Comment {
         let is_keyword = |pair: &[String]| {
             ["DATE", "MJD", "JD", "TIME", "UT", "UTC"].contains(&pair[0].as_str())
                 && ["BEG", "OBS", "AVG", "MID", "END", "STR", "STOP"].contains(&pair[1].as_str())
+                && ['-', '_'].iter().any(|sign| self.text.contains(&format!("{}{sign}{}", pair[0], pair[1])))
         };
         let others_from = self.clauses.iter().position(|words| words.windows(2).any(is_keyword));
         let of_others = others_from.is_some();
-        let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
+        // The hyphen of "mid-exptime" is no minus.
+        let mut lower = format!(" {}", self.text.to_ascii_lowercase());
+        for word in ["mid", "middle", "half", "post", "pre", " end"] {
+            lower = lower.replace(&format!("{word}-"), word);
+        }
+        let joined: String = lower.split_ascii_whitespace().collect();
         let phrase = PHRASES.iter().find(|(role, list)| {
             (*role != Role::End || !of_others || is_sum(&joined)) && list.iter().any(|phrase| joined.contains(phrase))
         });
@@ -253,6 +262,14 @@ mod tests {
             ("MJD (mid), see DATE-OBS for start", Ok(Some(Role::Middle))),
             ("JD - 2400000", Err("a Julian date from another day on")),
             ("JD-2400000.5 at start", Ok(Some(Role::Start))),
+            ("JD - 2400000,5 at start", Ok(Some(Role::Start))),
+            ("JD - 24000000.5", Ok(None)),
+            ("UTC at mid-exptime", Ok(Some(Role::Middle))),
+            ("UTC at mid-texp", Err(UNCLEAR)),
+            ("post-exptime", Err(UNCLEAR)),
+            ("UT MID EXPOSURE", Ok(Some(Role::Middle))),
+            ("UTC END OF EXPOSURE", Ok(Some(Role::End))),
+            ("TIME STOP OF EXPOSURE", Ok(Some(Role::End))),
             ("reduced JD", Err("a Julian date from another day on")),
             ("Belichtungsmitte", Ok(Some(Role::Middle))),
             ("MJD-OBS + EXPTIME/172800", Ok(None)),
@@ -289,6 +306,8 @@ mod tests {
             ("UTC of start (local time: see LOCTIME)", Ok(Some(Role::Start))),
             ("UTC = local + 7h", Ok(None)),
             ("local time converted to UTC", Ok(None)),
+            ("local time, not converted to UTC", Err("a local time")),
+            ("local time (to be converted to UTC)", Err("a local time")),
             ("UTC (local time)", Err("a local time")),
             ("UTC, time = local", Err("a local time")),
             ("UTC (UTC-7)", Err("a local time")),

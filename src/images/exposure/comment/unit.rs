@@ -241,15 +241,16 @@ impl Comment {
             // "to the nearest tenth of a second" is an accuracy, and "tenth exposure" a number.
             let before = words[..at].iter().rev().find(|word| !["a", "the", "nearest"].contains(word));
             let is_accuracy = before.is_some_and(|word| ["to", "within"].contains(word));
-            let is_next = |word: &&str| seconds_in(word).is_some() && (word.len() > 1 || *word == "s");
-            let is_of_unit = words[at + 1..].iter().take_while(|word| !begins_with_exposure(word)).take(3).any(is_next);
+            let unit_s = |word: &&str| seconds_in(word).filter(|_| word.len() > 1 || *word == "s");
+            let mut next = words[at + 1..].iter().take_while(|word| !begins_with_exposure(word)).take(3);
+            let of_next = next.find_map(unit_s).filter(|_| !is_accuracy);
             let of_word = seconds_in(rest).filter(|_| !ENDINGS.contains(&rest));
-            if !is_accuracy && (of_word.is_some() || is_of_unit) {
+            if !is_accuracy && (of_word.is_some() || of_next.is_some()) {
                 part = size;
             } else if !is_accuracy && !rest.is_empty() {
                 return Err(format!("{word} of an unknown unit"));
             }
-            units.extend(of_word);
+            units.extend(of_word.or(of_next));
         }
         if units.is_empty() && (is_marked("jd") || is_marked("mjd")) {
             units.push(crate::constants::DAY_S);
@@ -343,18 +344,19 @@ fn fraction(word: &str) -> Option<(&str, f64)> {
 
 /// Returns a text without "/frame", "per pixel" and similar words.
 fn without_divisors(text: &str) -> String {
-    let text = text.replace(" per ", "/");
-    let mut parts = text.split('/');
-    let mut kept = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        if begins_with_exposure(part) || begins_with(part, PIXELS) {
-            kept += part.trim_start().trim_start_matches(|c: char| c.is_ascii_alphabetic());
-        } else {
-            kept += "/";
-            kept += part;
+    ["/", " per "].into_iter().fold(text.to_owned(), |text, sign| {
+        let mut parts = text.split(sign);
+        let mut kept = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            if begins_with_exposure(part) || begins_with(part, PIXELS) {
+                kept += part.trim_start().trim_start_matches(|c: char| c.is_ascii_alphabetic());
+            } else {
+                kept += sign;
+                kept += part;
+            }
         }
-    }
-    kept
+        kept
+    })
 }
 
 /// Returns a text in which least values, as in "min 0.1, max 3600", are written as greatest ones, because "min" is also a
@@ -538,6 +540,11 @@ mod tests {
             ("tag of exposure, taken when min", Ok(None)),
             ("Exposure (min/pixel)", Ok(Some(60.0))),
             ("min per pixel", Ok(Some(60.0))),
+            ("Exposure time in min per dither", Ok(Some(60.0))),
+            ("Exposure (h per field)", Ok(Some(3600.0))),
+            ("tenths of s", Ok(Some(0.1))),
+            ("Zehntel s", Ok(Some(0.1))),
+            ("hundredths of a min", Ok(Some(1e-2 * 60.0))),
             ("[min/pixel]", Ok(Some(60.0))),
             ("Belichtungszeit in Zehntelsekunden", Ok(Some(0.1))),
             ("Hundertstel Sekunden", Ok(Some(1e-2))),
