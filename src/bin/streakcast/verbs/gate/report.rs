@@ -103,7 +103,8 @@ pub fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value
 /// judged; empty if it is in time.
 fn late(waited_s: f64, until: Epoch, flags: &Flags) -> String {
     let late_s = seconds_between(until, flags.clock.now());
-    if waited_s > 0.0 || late_s <= 0.0 {
+    // Less is printed as 0.0 s.
+    if waited_s > 0.0 || late_s < 0.05 {
         return String::new();
     }
     format!(" ({late_s:.1} s ago, because the computation took longer than --margin)")
