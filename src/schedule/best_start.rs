@@ -9,8 +9,8 @@ use super::report::{TICK_S, judge_exposures};
 use super::scheduled::ScheduledExposure;
 use super::verdict::Verdict;
 
-/// Largest number of intervals between the openings of the shutter that are judged for one start.
-const MOST_INTERVALS: f64 = 10.0;
+/// Largest number of parts of the margin that are judged for one start.
+const MOST_PARTS: f64 = 10.0;
 /// Number of later starts whose costs are compared.
 pub const COMPARED_STARTS: u32 = 60;
 
@@ -20,16 +20,20 @@ pub const COMPARED_STARTS: u32 = 60;
 pub struct BestStart {
     /// Delay after the scheduled start, seconds.
     pub delay_s: f64,
-    /// Expected cost of the streaks of the delayed exposure, seconds of open shutter: the largest one of shutter openings
-    /// from the start to the `margin_s` of the policy later.
+    /// Expected cost of the streaks of the delayed exposure, seconds of open shutter: an upper limit for all openings of
+    /// the shutter from the start to the `margin_s` of the policy later.
     pub streak_cost_s: f64,
     /// The same for the exposure as scheduled.
     pub scheduled_cost_s: f64,
 }
 
-/// Returns the cost of the streaks of an exposure for each delay, in seconds of open shutter. The shutter opens at an unknown
-/// time up to the `margin_s` of the policy later: the cost is the largest one of openings from this delay to the end of the
-/// margin, at equal intervals of at most the length of the exposure (a tenth of the margin for short exposures). `None` without a telescope, and if an exposure cannot be judged.
+/// Returns an upper limit of the cost of the streaks of an exposure for each delay, in seconds of open shutter, because the
+/// shutter opens at an unknown time up to the `margin_s` of the policy later. `None` without a telescope, and if an
+/// exposure cannot be judged.
+///
+/// For openings within a part of the margin, the streaks are those of an exposure from the first opening to the last
+/// closing of the shutter. A part is at most as long as the exposure (for short exposures: a tenth of the margin); the
+/// largest cost of all parts is returned.
 ///
 /// # Errors
 /// Passes cannot be computed.
@@ -39,28 +43,33 @@ pub fn delayed_costs_s(
     request: &FlagRequest<'_>,
 ) -> Result<Vec<Option<f64>>, Error> {
     let Ok(exposure) = &row.exposure else { return Ok(vec![None; delays_s.len()]) };
-    let delayed = |delay_s: f64| ScheduledExposure {
-        exposure: Ok(Exposure { start: seconds_after(exposure.start, delay_s), ..exposure.clone() }),
-        ..row.clone()
-    };
     let margin_s = request.policy.margin_or_default_s();
-    let intervals = (margin_s / exposure.duration_s).ceil().clamp(1.0, MOST_INTERVALS) as u32;
-    let openings_s = |delay_s: &f64| {
+    let parts = (margin_s / exposure.duration_s).ceil().clamp(1.0, MOST_PARTS) as u32;
+    let part_s = margin_s / f64::from(parts);
+    let duration_s = exposure.duration_s + part_s;
+    let extended = |delay_s: f64| {
+        let start = seconds_after(exposure.start, delay_s);
+        ScheduledExposure {
+            open_s: Some(row.open_s.unwrap_or(exposure.duration_s)),
+            exposure: Ok(Exposure { start, duration_s, ..exposure.clone() }),
+            ..row.clone()
+        }
+    };
+    let begins_s = |delay_s: &f64| {
         let delay_s = *delay_s;
-        (0..=intervals).map(move |number| delay_s + margin_s * f64::from(number) / f64::from(intervals))
+        (0..parts).map(move |number| delay_s + part_s * f64::from(number))
     };
-    let rows: Vec<_> = delays_s.iter().flat_map(openings_s).map(delayed).collect();
+    let rows: Vec<_> = delays_s.iter().flat_map(begins_s).map(extended).collect();
     let flags = judge_exposures(&rows.iter().collect::<Vec<_>>(), request)?.flags;
-    let largest = |openings: &[Verdict]| {
-        openings.iter().try_fold(0.0, |largest: f64, opening| Some(largest.max(opening.streak_cost_s?)))
-    };
-    Ok(flags.chunks_exact(intervals as usize + 1).map(largest).collect())
+    let largest =
+        |parts: &[Verdict]| parts.iter().try_fold(0.0, |largest: f64, part| Some(largest.max(part.streak_cost_s?)));
+    Ok(flags.chunks_exact(parts as usize).map(largest).collect())
 }
 
 /// Returns the start at which cost plus delay is smallest, among the scheduled start and 60 later ones at equal
 /// intervals. `None` without a telescope, and if the exposure cannot be judged.
 ///
-/// The shutter opens up to `margin_s` of the policy after a start, whose cost is the largest one of these openings.
+/// The shutter opens up to `margin_s` of the policy after a start, whose cost is an upper limit for these openings.
 ///
 /// A delay that is longer than the cost at the scheduled start saves nothing, so that the starts extend over this cost,
 /// and at most over `longest_s`; a cost below 0.06 s is not reduced. If the cost at the scheduled start exceeds the

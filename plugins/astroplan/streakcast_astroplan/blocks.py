@@ -36,8 +36,8 @@ class Rules:
         Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy.
         Default: that of the policy.
     margin_s : float
-        Time that must be clear before the shutter opens and after it closes, seconds. The cost is that of the exposure
-        alone.
+        Time that must be clear before the shutter opens and after it closes, seconds. The cost is that of an exposure
+        over this time too: an upper limit if the shutter opens earlier or later by up to the margin.
     """
 
     exposures: Exposures = field(default_factory=Exposures)
@@ -83,16 +83,16 @@ class Rules:
         length_s : float
             Duration of the exposures, seconds.
         """
-        if self.score == "cost":
-            return np.asarray(1.0 - cost_on_grid(model, ra_deg, dec_deg, starts_s, length_s))
         early_s, long_s = self.with_margins(starts_s, length_s)
+        if self.score == "cost":
+            return np.asarray(1.0 - cost_on_grid(model, ra_deg, dec_deg, early_s, long_s))
         return clear_on_grid(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
 
     def worth_of_each(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> FloatArray:
         """Same as `worth` for single exposures, with one target per start; returns ``(n,)``."""
-        if self.score == "cost":
-            return np.asarray(1.0 - cost_one_by_one(model, ra_deg, dec_deg, starts_s, length_s))
         early_s, long_s = self.with_margins(starts_s, length_s)
+        if self.score == "cost":
+            return np.asarray(1.0 - cost_one_by_one(model, ra_deg, dec_deg, early_s, long_s))
         return clear_one_by_one(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
 
     def worth_of_block(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, start_s: float, block_s: float) -> FloatArray:

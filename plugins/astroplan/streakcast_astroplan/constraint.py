@@ -59,8 +59,8 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy
         (``limit_mag``). Default: that of the policy. The score ``cost`` includes all lit satellites.
     margin : `~astropy.units.Quantity` or float
-        Time that must be clear before the shutter opens and after it closes. astroplan moves blocks by up to a second
-        to close gaps.
+        Time that must be clear before the shutter opens and after it closes, and whose streaks the cost includes.
+        astroplan moves blocks by up to a second to close gaps.
     worst_score : float
         Score of an exposure with rating 0; above 0 and below 1. astroplan never schedules a block with a score of 0.
     each : {"auto", "cell", "exposure", "block"}

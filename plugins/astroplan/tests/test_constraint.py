@@ -106,9 +106,13 @@ def test_the_score_of_cost_agrees_with_the_model(elements, observer, few):
     times = START + np.arange(60) * 60 * u.s
     scores = constraint(observer, few, times, grid_times_targets=True)
     coordinates = SkyCoord([one.coord for one in few])[:, np.newaxis]
-    lost = model.assess(coordinates, times, 60.0).streak_cost_s / 60.0
+    # With the default margin of 1 s.
+    lost = model.assess(coordinates, times - 1 * u.s, 62.0).streak_cost_s / 62.0
     assert scores.shape == (4, 60) and (lost > 0).sum() >= 20
     assert np.allclose(1 - scores, lost, atol=2e-9)
+    # It is an upper limit for exposures that begin up to a second earlier or later.
+    for later_s in (-1.0, -0.4, 0.0, 0.7, 1.0):
+        assert (model.assess(coordinates, times + later_s * u.s, 60.0).streak_cost_s / 60.0 <= lost + 1e-9).all()
 
 
 def test_below_the_horizon_the_exposure_is_lost(elements, observer):

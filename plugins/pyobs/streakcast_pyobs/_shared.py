@@ -93,7 +93,7 @@ class Settings(BaseModel):
     n_exposures: Union[int, None] = Field(default=None, ge=1, le=100_000)
     #: Satellites that block an exposure: all lit ones (``any``), or those that exceed a magnitude limit (``avoid``).
     blocking: Union[str, None] = None
-    #: Time that must be clear before the shutter opens and after it closes, seconds.
+    #: Time that must be clear before the shutter opens and after it closes, and whose streaks the cost includes, seconds.
     margin_s: float = Field(default=1.0, ge=0.0, le=3600.0)
 
     @model_validator(mode="after")

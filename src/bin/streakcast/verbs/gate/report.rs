@@ -101,8 +101,8 @@ pub fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value
 
 /// Returns the part of the log line that states by how much an exposure without a wait starts after the last start that was
 /// judged; empty if it is in time.
-fn late(waited_s: f64, until: Epoch, flags: &Flags) -> String {
-    let late_s = seconds_between(until, flags.clock.now());
+fn late(waited_s: f64, until: Epoch, now: Epoch) -> String {
+    let late_s = seconds_between(until, now);
     // Less is printed as 0.0 s.
     if waited_s > 0.0 || late_s < 0.05 {
         return String::new();
@@ -112,6 +112,7 @@ fn late(waited_s: f64, until: Epoch, flags: &Flags) -> String {
 
 /// Returns the log line of a run.
 pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
+    let now = flags.clock.now();
     // With --strict the host does not start the exposure.
     let starts = |text: &'static str| if flags.strict { "" } else { text };
     match result {
@@ -119,7 +120,7 @@ pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
             let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
             let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
             let costs = most_s.map(|most_s| format!(", streaks cost at most {most_s} s")).unwrap_or_default();
-            let late = if most_s.is_some() { late(*waited_s, *until, flags) } else { String::new() };
+            let late = if most_s.is_some() { late(*waited_s, *until, now) } else { String::new() };
             format!("gate: clear {after}{costs}, starts until at least {}{late}{others}", format_utc(*until, 0))
         }
         Ok(GateVerdict::Best { waited_s, until, best, .. }) => {
@@ -131,7 +132,7 @@ pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
                 "gate: start {after}, streaks cost {:.2} s{instead}, starts until at least {}{}",
                 best.streak_cost_s,
                 format_utc(*until, 1),
-                late(*waited_s, *until, flags)
+                late(*waited_s, *until, now)
             )
         }
         Ok(GateVerdict::NotClear { most_s }) => {
@@ -175,4 +176,20 @@ pub fn write_waiting(path: &Path, mut status: Map<String, Value>) -> std::io::Re
     state(&mut status, "counters", json!(counters));
     status_file::write(path, &status)?;
     Ok(is_damaged.then(|| damaged(path)))
+}
+
+#[cfg(test)]
+mod tests {
+    use streakcast::frames::seconds_after;
+
+    use super::*;
+
+    #[test]
+    fn a_start_after_the_judged_ones_is_stated() {
+        let until = streakcast::frames::parse_instant("2026-08-14T23:29:07Z", None).unwrap();
+        let after = |waited_s: f64, late_s: f64| late(waited_s, until, seconds_after(until, late_s));
+        assert_eq!(after(0.0, 3.25), " (3.2 s ago, because the computation took longer than --margin)");
+        // In time; too little to be printed; after a wait, which has a fault of its own.
+        assert_eq!([after(0.0, -1.0), after(0.0, 0.04), after(5.0, 3.0)], ["", "", ""]);
+    }
 }

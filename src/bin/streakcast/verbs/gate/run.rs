@@ -86,13 +86,8 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
             }
         }
         flags.clock.sleep_until(first);
-        let now = flags.clock.now();
-        let late_s = seconds_between(first, now);
-        if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
-            let message = format!(
-                "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the start that was judged"
-            );
-            result = Err(Fault::new(FaultKind::Clock, message));
+        if let Some(fault) = fault_after_wait(first, until, flags.clock.now()) {
+            result = Err(fault);
         }
     }
     let line = line(&result, &flags) + &daylight(&status);
@@ -144,6 +139,18 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     }
     notices.warn(&[message]);
     outcome
+}
+
+/// Returns the fault of a wait that did not end within the starts that were judged, from `first` to `until`: the clock was
+/// changed, or the machine slept.
+fn fault_after_wait(first: Epoch, until: Epoch, now: Epoch) -> Option<Fault> {
+    let late_s = seconds_between(first, now);
+    (late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S).then(|| {
+        let message = format!(
+            "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the start that was judged"
+        );
+        Fault::new(FaultKind::Clock, message)
+    })
 }
 
 /// Reads all inputs and decides whether and when the exposure can start, without waiting.
@@ -410,4 +417,28 @@ fn add_blocking_passes(
         .collect();
     state(status, "n_dodged", ahead.len());
     state(status, "dodged", named);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wait_that_ends_outside_the_judged_starts_is_a_fault() {
+        let first = streakcast::frames::parse_instant("2026-08-14T23:29:24Z", None).unwrap();
+        let message = |margin_s: f64, late_s: f64| {
+            let fault = fault_after_wait(first, seconds_after(first, margin_s), seconds_after(first, late_s))?;
+            assert_eq!(fault.kind.name(), "clock");
+            Some(fault.to_string())
+        };
+        // The second condition: a command that is woken late by less than a second is no change of the clock.
+        for (margin_s, late_s) in [(2.0, 0.0), (2.0, 1.9), (2.0, -0.9), (0.0, 0.9)] {
+            assert_eq!(message(margin_s, late_s), None, "{late_s} s");
+        }
+        for (margin_s, late_s, text) in
+            [(2.0, 2.1, "+2.1 s"), (0.0, 1.1, "+1.1 s"), (2.0, -1.5, "-1.5 s"), (2.0, 3600.0, "+3600.0 s")]
+        {
+            assert!(message(margin_s, late_s).is_some_and(|message| message.contains(text)), "{late_s} s");
+        }
+    }
 }
