@@ -196,7 +196,9 @@ class StreakQueueManager(BaseQueueManager):
     def _compared(self, model: StreakModel, conditions: Any, queue: Any, free: IntArray, now: float, first_s: float) -> int:
         """Compares the first visits of the queue, of which the first one costs `first_s`, and returns the queue index of the
         best one."""
-        indices = candidates(queue, free, self.look_ahead)
+        # One more than may be chosen, because the path continues after the last one.
+        indices = candidates(queue, free, self.look_ahead + 1)
+        following = indices[self.look_ahead :]
         indices = indices[self._has_coordinates(queue[indices])]
         if indices.size == 1:
             return int(indices[0])
@@ -206,9 +208,10 @@ class StreakQueueManager(BaseQueueManager):
         openings, indices = Openings(*(column[reached] for column in openings)), indices[reached]
         visits = queue[indices]
         detour_s = detours_s(openings.slew_s, self.mount.between(now, visits))
-        self.counts["compared"] += int(indices.size)
+        may_be_chosen = ~np.isin(indices, following)
+        self.counts["compared"] += int(may_be_chosen.sum())
         # The cost of streaks is not computed for visits whose detour alone costs more than the first visit.
-        near = OPEN_SHARE * detour_s < first_s
+        near = may_be_chosen & (OPEN_SHARE * detour_s < first_s)
         near[0] = True
         if not near[1:].any():
             return int(indices[0])

@@ -58,6 +58,23 @@ def test_if_all_visits_are_crossed_the_least_cost_is_dispatched(ready, model, ta
     assert ids(scheduler.request_observation()) == [queue[0]]
 
 
+def test_the_detour_of_the_last_candidate_includes_the_path_after_it(ready, model, take_over, costly):
+    """A detour does not depend on the number of candidates. The visit after the last candidate is never dispatched."""
+    last, detours = 3, []
+    for look_ahead in (last + 1, 12):
+        manager = manager_of(model, look_ahead=look_ahead)
+        scheduler = take_over(ready, manager)
+        queue = ids(scheduler.return_active_queue())
+        costly([500.0] * last + [0.0] + [500.0] * (11 - last))
+        assert ids(scheduler.request_observation()) == [queue[last]]
+        assert manager.counts["compared"] == look_ahead
+        detours.append(manager.counts["detour_s"])
+        if look_ahead < 12:
+            costly([500.0] * look_ahead + [0.0])
+            assert ids(scheduler.request_observation()) == [queue[0]]
+    assert detours[0] == pytest.approx(detours[1], abs=1e-9) and detours[0] > 0.5
+
+
 def test_an_unknown_cost_keeps_the_order_of_the_queue(ready, model, take_over, costly):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
