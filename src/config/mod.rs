@@ -7,6 +7,7 @@
 //! [`streaks`](crate::streaks). With the feature `cli`, the command line flags are derived from the same structures.
 
 mod coordinates;
+mod described;
 mod document;
 mod doubtful_site;
 mod ephemeris;

@@ -6,26 +6,25 @@ use std::sync::Arc;
 use hifitime::Epoch;
 use serde_json::json;
 
+use super::described::{
+    LISTED, constellations_json, elements_json, ephemerides_json, mean_motion_json, names, observer_json, period_json,
+    rejected_json, site_json,
+};
 use super::document::Config;
 use super::doubtful_site::doubtful_site;
 use super::error::request;
 use super::inputs::LoadedInputs;
 use super::warnings;
-use crate::constants::DAY_S;
-use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Keep, Rejected, Satellites, SourceFile};
+use crate::elements::{Constellation, ElementSet, Ephemeris, Keep};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, seconds_after, seconds_between};
-use crate::geometry::{Observer, Site};
-use crate::math::quantile::median;
-use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion};
+use crate::geometry::Observer;
+use crate::orbit::{EphemerisCoverage, LeftOut};
 use crate::output::{Provenance, format_utc};
-use crate::passes::{Exposure, Field, OrbitingObserver, Sky, Viewpoint, read_measured};
+use crate::passes::{Exposure, Field, Sky, Viewpoint, read_measured};
 use crate::photometry::{BrightObjects, PhotometryOptions};
 use crate::schedule::{evening_mjd, lowest_altitude_rad};
 use crate::watch::Watch;
-
-/// Largest number of rejected records listed in JSON; `rejected_count` counts all of them.
-const LISTED: usize = 1000;
 
 /// Sky of a site or of a telescope in orbit, with provenance and warnings.
 #[derive(Clone, Debug)]
@@ -49,15 +48,6 @@ pub struct PreparedSky {
     /// Evening (MJD) of the night whose period of growing constellations is used, and the first evenings of all
     /// periods.
     growth_mjd: (i64, Vec<i64>),
-}
-
-/// Returns names with catalogue numbers, for warnings; `satellites` are indices of `elements`.
-fn names(satellites: impl Iterator<Item = usize>, elements: &[ElementSet]) -> Vec<String> {
-    let name = |index: usize| match &elements[index] {
-        set if set.name.is_empty() => set.norad_id.to_string(),
-        set => format!("{} ({})", set.name, set.norad_id),
-    };
-    satellites.map(name).collect()
 }
 
 impl Config {
@@ -227,20 +217,6 @@ impl LoadedInputs {
         let elements_json = self.deployment.has_elements().then(|| elements_json(catalogue));
         Ok(period_json(first_start, elements.len() + simulated, constellations_json(&constellations), elements_json))
     }
-}
-
-fn period_json(
-    first_start: Epoch,
-    satellites: usize,
-    shells: serde_json::Value,
-    elements: Option<serde_json::Value>,
-) -> serde_json::Value {
-    let mut stated =
-        json!({ "first_start_utc": format_utc(first_start, 3), "satellites": satellites, "shells": shells });
-    if let Some(elements) = elements {
-        stated["elements"] = elements;
-    }
-    stated
 }
 
 impl PreparedSky {
@@ -440,135 +416,15 @@ fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> Error {
     )
 }
 
-fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Value {
-    let (norad_id, designator) = match observer.object() {
-        EphemerisObject::Norad(norad_id) => (Some(norad_id.0), None),
-        EphemerisObject::Designator(designator) => (None, Some(designator.as_ref())),
-    };
-    let span = |ephemeris: &Arc<Ephemeris>| {
-        let (first, last) = ephemeris.interval();
-        json!({
-            "file": ephemeris.file.as_ref(),
-            "first_utc": format_utc(first, 3),
-            "last_utc": format_utc(last, 3),
-        })
-    };
-    json!({
-        "norad_id": norad_id,
-        "international_designator": designator,
-        "name": observer.name(),
-        "elements_epoch_utc": observer.elements_epoch().map(|epoch| format_utc(epoch, 3)),
-        "ephemerides": observer.ephemerides().iter().map(span).collect::<Vec<_>>(),
-        "file": config.observer_elements.as_ref().map(|path| path.display().to_string()),
-        "limb_height_km": observer.limb().height_km,
-        "max_zenith_angle_deg": config.max_zenith_angle,
-        "min_sun_angle_deg": config.min_sun_angle,
-        "min_limb_angle_deg": config.min_limb_angle,
-    })
-}
-
-/// Returns the files of a catalogue; an empty list if there is none.
-fn elements_json(catalogue: Option<&Satellites>) -> serde_json::Value {
-    catalogue.iter().flat_map(|catalogue| &catalogue.sources).map(source_json).collect()
-}
-
-fn source_json(source: &SourceFile) -> serde_json::Value {
-    json!({
-        "file": source.name.as_ref(),
-        "sha256": source.sha256,
-        "format": source.format.to_string(),
-        "records": source.records,
-        "rejected": source.rejected,
-        "bad_checksums_accepted": source.bad_checksums_accepted,
-        "first_epoch_utc": format_utc(source.first_epoch, 3),
-        "last_epoch_utc": format_utc(source.last_epoch, 3),
-    })
-}
-
 /// Returns descriptions of the ephemerides whose satellites have no element set.
 pub(super) fn without_elements(ephemerides: &[Arc<Ephemeris>], elements: &[ElementSet]) -> Vec<String> {
     let without = ephemerides.iter().filter(|ephemeris| !elements.iter().any(|set| ephemeris.is_of(set)));
     without.map(|ephemeris| ephemeris.to_string()).collect()
 }
 
-/// Returns the use of ephemerides between two times, with the satellites for which element sets are used instead.
-fn ephemerides_json(sky: &Sky, without_elements: &[String], first: Epoch, last: Epoch) -> serde_json::Value {
-    let of = |wanted: EphemerisCoverage| {
-        let found = sky.ephemeris_coverage(first, last).filter(move |(_, part)| *part == wanted);
-        names(found.map(|(index, _)| index), sky.elements())
-    };
-    let (whole, part, none) = (of(EphemerisCoverage::Whole), of(EphemerisCoverage::Part), of(EphemerisCoverage::None));
-    json!({
-        "satellites_covered": whole.len(),
-        "satellites_partly_covered": part.len(),
-        "satellites_not_covered": none.len(),
-        "partly_covered": part.iter().take(LISTED).collect::<Vec<_>>(),
-        "not_covered": none.iter().take(LISTED).collect::<Vec<_>>(),
-        "without_element_set": without_elements.iter().take(LISTED).collect::<Vec<_>>(),
-        "interpolation": "Lagrange, degree 7",
-    })
-}
-
-/// Returns the number of satellites by the source of their mean motion, and the median lateness of those from files at
-/// a time.
-fn mean_motion_json(sky: &Sky, from_files: usize, at: Epoch) -> serde_json::Value {
-    let counts = sky.mean_motions();
-    let median_s = |sigma_s: &dyn Fn(usize, f64) -> f64| {
-        let ages = sky.elements()[..from_files].iter().map(|set| seconds_between(set.epoch, at) / DAY_S).enumerate();
-        let median_s = median(ages.map(|(index, age_days)| sigma_s(index, age_days)).collect());
-        (100.0 * median_s).round() / 100.0
-    };
-    let of = |wanted: &[MeanMotion]| wanted.iter().filter_map(|motion| counts.get(motion)).sum::<usize>();
-    json!({
-        "two_or_three_epochs": of(&[MeanMotion::TwoSets, MeanMotion::Disagreeing, MeanMotion::Enclosed]),
-        "four_epochs": of(&[MeanMotion::FourSets]),
-        "shell": of(&[MeanMotion::Shell]),
-        "arrived_at_shell": of(&[MeanMotion::Arrived]),
-        "published_drag_confirmed": of(&[MeanMotion::Coasting]),
-        "rate_of_change": of(&[MeanMotion::Rate]),
-        "far_from_shells": of(&[MeanMotion::OffShell]),
-        "changed_between_epochs": of(&[MeanMotion::Changed, MeanMotion::NoRate]),
-        "one_epoch": of(&[MeanMotion::OneSet]),
-        "median_late_s": median_s(&|index, age_days| sky.uncertainty(index, age_days).along_track_s),
-        "median_late_with_one_epoch_s": median_s(&|index, age_days| sky.uncertainty_of_one_set(index, age_days).along_track_s),
-    })
-}
-
-fn rejected_json(rejected: &Rejected) -> serde_json::Value {
-    json!({
-        "file": rejected.file.as_ref(),
-        "line": rejected.line,
-        "reason": rejected.reason.to_string(),
-    })
-}
-
 /// Returns the longitude at which noon separates nights, radians: that of a site, or 0 for a telescope in orbit.
 fn longitude_rad(viewpoint: &Viewpoint) -> f64 {
     viewpoint.site().map_or(0.0, |observer| observer.site().longitude_rad)
-}
-
-fn constellations_json(constellations: &[Constellation]) -> serde_json::Value {
-    let stated = constellations.iter().map(|constellation| {
-        json!({
-            "name": constellation.name,
-            "satellites": constellation.satellites(),
-            "deployed_fraction": constellation.deployed_fraction,
-            "synthetic": true,
-            "source": constellation.source,
-        })
-    });
-    stated.collect()
-}
-
-fn site_json(site: &Site) -> serde_json::Value {
-    let round = |value: f64, digits: i32| (value * 10_f64.powi(digits)).round() / 10_f64.powi(digits);
-    json!({
-        "name": site.name,
-        "mpc_code": site.mpc_code,
-        "latitude_deg": round(site.latitude_rad.to_degrees(), 7),
-        "longitude_deg": round(site.longitude_rad.to_degrees(), 7),
-        "height_m": round(site.height_m, 3),
-    })
 }
 
 fn start_of_utc_day(epoch: Epoch) -> Epoch {
