@@ -18,6 +18,7 @@
 mod arc;
 mod ephemeris;
 mod lateness;
+mod nodes;
 mod observer_orbit;
 mod orbit_model;
 mod propagator;
