@@ -42,6 +42,8 @@ NIGHTS = {
 DEFAULT, OTHERS, NIGHTS_OF_OTHERS = "0.08", ("0.3", "1"), 2
 SHARES = (0.08, 0.3, 1.0)
 LIMIT_MAG = 7.0
+#: First evening and number of nights of a lunation, in which the excess path is measured with `bright_share` 1.
+LUNATION = "2026-04-11", 29
 
 
 @dataclass(frozen=True)
@@ -223,6 +225,28 @@ def lines_of(first: list[str], runs: list[dict[str, Any]], off: list[dict[str, A
     return [row([*first, *cells]) for cells in (opened, [*streaks, f"{cost_percent:.2f}", excess], checks)]
 
 
+def path_of_lunation(folder: Path) -> str:
+    """Returns a sentence with the excess path of the nights of a lunation if streaks destroy visits. Positions far from the
+    epochs of the elements are less certain."""
+    elements, excess_s, saved_s = catalogue(), [], []
+    model = streakcast.StreakModel(
+        site="Rubin Observatory", elements=elements, telescope="rubin", mjd_scale="utc", drag="published"
+    )
+    first, count = LUNATION
+    for number in range(count):
+        evening = (Time(first) + number * u.day).strftime("%Y-%m-%d")
+        stored = folder / f"path-{evening}.json"
+        if not stored.exists():
+            print(stored.stem, file=sys.stderr, flush=True)
+            visits, hooks = visits_of(Run(evening, "catalogue", "1"), folder, model)
+            stored.write_text(json.dumps([excess_path_s(visits), hooks["saved_s"]]))
+        one_excess_s, one_saved_s = json.loads(stored.read_text())
+        excess_s.append(one_excess_s)
+        saved_s.append(one_saved_s)
+    texts = [f"{np.mean(values):.0f} ± {np.std(values, ddof=1) / np.sqrt(count):.0f}" for values in (excess_s, saved_s)]
+    return f"The {count} nights from {first}, `bright_share` 1: excess path {texts[0]} s per night, {texts[1]} s saved."
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
@@ -253,6 +277,8 @@ def main() -> None:
     for columns, lines in zip(TABLES, tables):
         first = ["satellites", "nights", "`bright_share`", *columns]
         print(row(first), "|---" * len(first) + "|", *lines, "", sep="\n")
+    if catalogue() is not None:
+        print(path_of_lunation(arguments.folder))
 
 
 if __name__ == "__main__":
