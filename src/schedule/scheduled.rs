@@ -28,7 +28,8 @@ use crate::units::{DAYS, DEGREES, SECONDS, Unit};
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScheduledExposure {
-    /// Identifier of the exposure; the row number, from 1, if the cell is empty.
+    /// Identifier of the exposure; the row number, from 1, if the schedule has no identifiers, and `row` with this number if
+    /// only this row has none.
     pub id: String,
     /// Index of the row in the file, from 0.
     pub row: usize,
@@ -122,6 +123,11 @@ impl Schedule {
                 "{exposures} at another time than the file states, which may include readout or several snaps: {first}"
             )
         }));
+        let without = self.exposures.iter().filter(|exposure| exposure.id == unnamed(exposure.row)).count();
+        if without > 0 {
+            let exposures = counted(without, "exposure has", "exposures have");
+            warnings.push(format!("{exposures} no exposure_id; the results name them by their rows, as row 7"));
+        }
         let repeated = self.repeated_ids();
         if repeated > 0 {
             let exposures = counted(repeated, "exposure has", "exposures have");
@@ -393,6 +399,11 @@ impl Scales {
     }
 }
 
+/// Returns the identifier of a row without one in a schedule with identifiers, where a number could be that of another row.
+fn unnamed(row: usize) -> String {
+    format!("row {}", row + 1)
+}
+
 fn scheduled_exposure(
     row: usize,
     cells: &ScheduleRow,
@@ -401,7 +412,7 @@ fn scheduled_exposure(
     scale: TimeScale,
     options: &ScheduleOptions,
 ) -> ScheduledExposure {
-    let numbered = || (row + 1).to_string();
+    let numbered = || if map.id.is_some() { unnamed(row) } else { (row + 1).to_string() };
     let cells = match cells {
         Ok(cells) => cells,
         Err(reason) => {

@@ -6,6 +6,7 @@ import sqlite3
 import sys
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -308,6 +309,31 @@ def test_invalid_surveys_are_rejected(visits, survey_model, tmp_path):
         streakcast.dask.annotate({**visits, "ra_deg": visits["ra_deg"][:-1]}, survey_model, None, tmp_path)
     with pytest.raises(TypeError, match="scale"):
         streakcast.dask.annotate(visits, survey_model.with_options(mjd_scale=None), None, tmp_path)
+    with pytest.raises(TypeError, match="client is of the type NoneType; allowed: a distributed.Client"):
+        streakcast.dask.annotate(visits, survey_model, None, tmp_path)
+    with pytest.raises(ValueError, match="there are no visits"):
+        streakcast.dask.annotate({name: column[:0] for name, column in visits.items()}, survey_model, None, tmp_path)
+    with pytest.raises(ValueError, match="there are no files"):
+        streakcast.dask.read([])
+    with pytest.raises(ValueError, match="opsim's fieldRA, fieldDec, observationStartMJD, visitExposureTime"):
+        streakcast.dask.annotate({"fieldDec": visits["dec_deg"]}, survey_model, None, tmp_path)
+
+
+def test_times_of_opsim_in_another_scale_are_noticed(visits, survey_model, tmp_path):
+    names = {"ra_deg": "fieldRA", "dec_deg": "fieldDec", "start": "observationStartMJD", "exposure_s": "visitExposureTime"}
+    few = {name: visits[column][:2] for column, name in names.items()}
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        for scale, expected in (("utc", 0), ("tai", 1)):
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                files = streakcast.dask.annotate(few, survey_model, client, tmp_path / scale, scale=scale)
+            texts = [str(one.message) for one in caught if "observationStartMJD in UTC, but it is read as tai" in str(one.message)]
+            assert len(texts) == expected
+            starts = streakcast.dask.read(files)["start_mjd_tai"]
+            np.testing.assert_allclose(starts - few["observationStartMJD"], (0.0 if expected else 37.0) / 86_400.0, atol=1e-9)
 
 
 @pytest.mark.skipif("STREAKCAST_SLOW" not in os.environ, reason="a year takes minutes; STREAKCAST_SLOW=1 runs it")

@@ -12,6 +12,7 @@ import io
 import tempfile
 import warnings
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 
 import almanac
@@ -120,13 +121,25 @@ def costs_s(model: streakcast.StreakModel, visits: np.ndarray) -> np.ndarray:
     return np.asarray(model.assess(target, visits["mjd"], visits["exptime"]).streak_cost_s)
 
 
+def evening(text: str) -> str:
+    """Returns the date of an evening."""
+    return date.fromisoformat(text).isoformat()
+
+
+def hours(text: str) -> float:
+    """Returns a time in hours."""
+    if not 0.0 < float(text) <= 24.0:
+        raise argparse.ArgumentTypeError(f"{text}; allowed: above 0, at most 24")
+    return float(text)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     satellites = parser.add_mutually_exclusive_group(required=True)
     satellites.add_argument("--elements", type=Path, help="file of element sets: TLE or OMM")
     satellites.add_argument("--shells", help="simulated constellations, separated by commas")
-    parser.add_argument("--evening", default="2026-01-15", help="date of the evening")
-    parser.add_argument("--hours", type=float, default=12.0, help="longest simulated time")
+    parser.add_argument("--evening", type=evening, default="2026-01-15", help="date of the evening, as 2026-01-15")
+    parser.add_argument("--hours", type=hours, default=12.0, help="longest simulated time")
     parser.add_argument("--bright-share", type=float, default=0.08, help="share of a visit that a bright streak destroys")
     options = parser.parse_args()
     model = streakcast.StreakModel(

@@ -18,6 +18,12 @@ def at_least(name: str, value: float, least: float, most: float = math.inf) -> f
     return value
 
 
+def whole(name: str, value: Any, least: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+        raise ValueError(f"{name} is {value!r}; allowed: a whole number from {least} upwards")
+    return int(value)
+
+
 def limits(limit_mag: Any) -> Any:
     """Checks a magnitude limit, or limits by band."""
     if limit_mag is None:

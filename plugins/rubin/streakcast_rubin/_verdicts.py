@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import erfa
 import numpy as np
 from astropy.time import Time
-from streakcast import Site, StreakModel
+from streakcast import Site, StreakcastWarning, StreakModel
 from streakcast.hosts import SIMULATED_NIGHT_S, Hook
 
 from ._arrays import FloatArray, Visits
@@ -16,6 +17,8 @@ SCALES = ("utc", "tai", "tt")
 #: Difference of the Sun's altitude, degrees, above which the times are in another scale; the Sun moves by up to 0.15 deg
 #: in 37 s. The difference between UT1 and UTC, and the aberration of light, are 0.01 deg.
 SUN_TOLERANCE_DEG = 0.05
+#: Number of visits whose altitude of the Sun is compared.
+MOST_COMPARED = 50
 
 
 def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
@@ -25,7 +28,11 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
     ------
     ValueError
         If the scale is missing or unknown.
+    TypeError
+        If the model is no `StreakModel`.
     """
+    if not isinstance(model, StreakModel):
+        raise TypeError(f"model is of the type {type(model).__name__}; allowed: a StreakModel")
     scale = mjd_scale if mjd_scale is not None else model.mjd_scale
     if scale is None:
         raise ValueError(
@@ -73,31 +80,56 @@ class ConditionsCheck:
         mjd = float(np.max(conditions.mjd))
         if site is None or given_rad is None or abs(mjd - Time.now().utc.mjd) < SIMULATED_NIGHT_S / 86_400.0:
             return
-        given_deg = float(np.degrees(np.max(given_rad)))
-        off_deg = {scale: abs(sun_altitude_deg(mjd, scale, site) - given_deg) for scale in SCALES}
-        if not max(off_deg.values()) > 2.0 * SUN_TOLERANCE_DEG:
+        off_deg, message = compare_sun(np.array([mjd]), np.degrees([np.max(given_rad)]), self._scale, site, "the scheduler")
+        if not off_deg > 2.0 * SUN_TOLERANCE_DEG:
             # Around midnight the altitude changes slowly. The next conditions are compared.
             return
         self._sun_is_checked = True
-        if off_deg[self._scale] > SUN_TOLERANCE_DEG:
-            best = min(off_deg, key=lambda scale: off_deg[scale])
-            hint = f"; mjd_scale='{best}' agrees" if off_deg[best] <= SUN_TOLERANCE_DEG else ""
-            message = (
-                f"the Sun of the scheduler is at {given_deg:.2f} deg, {off_deg[self._scale]:.2f} deg from its altitude at the "
-                f"given MJD in {self._scale}{hint}; in the wrong scale visits are 37 s off, and no result is valid"
-            )
+        if message is not None:
             self._hook.note("clock", message, kind="sun")
 
 
-def sun_altitude_deg(mjd: float, scale: str, site: Site) -> float:
-    """Returns the geometric altitude of the Sun, degrees, with errors of 0.01 deg."""
-    time = Time(mjd, format="mjd", scale=scale)
-    utc, tt = time.utc, time.tt
+def warn_of_sun(visits: Visits, scale: str, site: Site | None) -> None:
+    """Issues a warning if the altitudes of the Sun in a table of visits contradict the scale of its times."""
+    if site is None or "sunAlt" not in (visits.dtype.names or ()):
+        return
+    # Columns that were not filled contain zeros.
+    known = np.flatnonzero(np.isfinite(visits["mjd"]) & np.isfinite(visits["sunAlt"]) & (visits["sunAlt"] != 0.0))
+    if known.size:
+        some = known[:: max(1, known.size // MOST_COMPARED)]
+        _, message = compare_sun(visits["mjd"][some], np.degrees(visits["sunAlt"][some]), scale, site, "the visits")
+        if message is not None:
+            warnings.warn(message, StreakcastWarning, stacklevel=3)
+
+
+def compare_sun(
+    mjd: FloatArray, given_deg: FloatArray, scale: str, site: Site, origin: str
+) -> tuple[float, str | None]:
+    """Returns the median difference of the given altitudes of the Sun from those in the scale with the largest one,
+    degrees, and a message if they contradict the given scale."""
+    off_deg = {one: float(np.median(np.abs(sun_altitude_deg(mjd, one, site) - given_deg))) for one in SCALES}
+    if off_deg[scale] <= SUN_TOLERANCE_DEG:
+        return max(off_deg.values()), None
+    best = min(off_deg, key=lambda one: off_deg[one])
+    hint = f"; mjd_scale='{best}' agrees" if off_deg[best] <= SUN_TOLERANCE_DEG else ""
+    return max(off_deg.values()), (
+        f"the Sun of {origin} is at {given_deg[0]:.2f} deg, {off_deg[scale]:.2f} deg from its altitude at the "
+        f"given MJD in {scale}{hint}; in the wrong scale visits are 37 s off, and no result is valid"
+    )
+
+
+def sun_altitude_deg(mjd: FloatArray, scale: str, site: Site) -> FloatArray:
+    """Returns the geometric altitudes of the Sun, degrees, ``(n,)``, with errors of 0.01 deg."""
+    with warnings.catch_warnings():
+        # Leap seconds after the next years are not known.
+        warnings.simplefilter("ignore", erfa.ErfaWarning)
+        time = Time(mjd, format="mjd", scale=scale)
+        utc, tt = time.utc, time.tt
     sun = -erfa.epv00(tt.jd1, tt.jd2)[0]["p"]
-    at_site = erfa.c2t06a(tt.jd1, tt.jd2, utc.jd1, utc.jd2, 0.0, 0.0) @ sun
+    at_site = np.einsum("...ij,...j->...i", erfa.c2t06a(tt.jd1, tt.jd2, utc.jd1, utc.jd2, 0.0, 0.0), sun)
     latitude, longitude = np.radians([site.latitude_deg, site.longitude_deg])
     zenith = np.array([np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude)])
-    return float(np.degrees(np.arcsin(at_site @ zenith / np.linalg.norm(sun))))
+    return np.asarray(np.degrees(np.arcsin(at_site @ zenith / np.linalg.norm(sun, axis=-1))))
 
 
 def pointings(visits: Visits) -> tuple[tuple[FloatArray, FloatArray], FloatArray, list[str]]:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import contextlib
 import os
 import sqlite3
+from pathlib import Path
 from typing import Any, Union
 
 from streakcast import StreakModel
 
 from ._arrays import Visits
-from ._verdicts import pointings, scale_of
+from ._verdicts import pointings, scale_of, warn_of_sun
+
+#: Beginning of a SQLite file.
+SQLITE = b"SQLite format 3\0"
 
 
 def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, None] = None) -> dict[str, Any]:
@@ -35,9 +39,10 @@ def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, N
     Warns
     -----
     StreakcastWarning
-        Visits have numbers that are missing or out of range.
+        Visits have numbers that are missing or out of range; or their ``sunAlt`` contradicts the scale.
     """
     scale = scale_of(model, mjd_scale)
+    warn_of_sun(visits, scale, model.site)
     target, rotation, bands = pointings(visits)
     options: dict[str, Any] = {"rotation": rotation, "band": bands, "scale": scale, "output": "dict"}
     return dict(model.flag(target, visits["mjd"], visits["exptime"], keep_invalid=True, **options))
@@ -78,14 +83,22 @@ def annotate(
     Raises
     ------
     ValueError
-        A file, table, column or scale is missing, or the tables of an earlier annotation exist.
+        A file, table, column or scale is missing, the file is no database, or the tables of an earlier annotation exist.
 
     Warns
     -----
     StreakcastWarning
         Visits are invalid, or a number belongs to several different visits (there is no view then).
     """
+    path = Path(opsim)
+    if path.is_file() and not _is_sqlite(path):
+        raise ValueError(f"{path} is no opsim database (SQLite); StreakModel.annotate accepts other formats")
     model.annotate(opsim, output, scale=scale_of(model, mjd_scale), replace=replace)
     with contextlib.closing(sqlite3.connect(output)) as base:
         (crossed,) = base.execute("SELECT count(*) FROM streak_flags WHERE n_streaks > 0").fetchone()
     return int(crossed)
+
+
+def _is_sqlite(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(len(SQLITE)) == SQLITE

@@ -16,7 +16,7 @@ from streakcast.hosts import Hook
 
 from ._arrays import BoolArray, IntArray
 from ._candidates import OPEN_SHARE, candidates, choose, detours_s
-from ._checks import at_least
+from ._checks import whole
 from ._costs import Costs, costs_of, with_costs
 from ._dispatched import DispatchedVisits, Owner, key_of
 from ._exchanges import MOST_EXCHANGES, Exchange, table_of, write
@@ -94,7 +94,7 @@ class StreakQueueManager(BaseQueueManager):
     ) -> None:
         super().__init__(detailers=detailers, basis_functions=basis_functions, check_clouds=check_clouds)
         self.mjd_scale = scale_of(model, mjd_scale)
-        self.look_ahead = int(at_least("look_ahead", look_ahead, 1))
+        self.look_ahead = whole("look_ahead", look_ahead, 1)
         self.mount = Mount(kinematics)
         self.hook = Hook(with_costs(model, bright_share, limit_mag), "rubin", watch_s=watch_s)
         self._check = ConditionsCheck(self.hook, self.mjd_scale)

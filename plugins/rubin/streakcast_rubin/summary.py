@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sqlite3
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -12,8 +13,12 @@ from typing import Any, Optional, Union
 import healpy
 import numpy as np
 import numpy.typing as npt
+from rubin_scheduler.utils import Site as RubinSite
+from streakcast import Site, StreakcastWarning
 
+from ._checks import at_least
 from ._exchanges import of_visits
+from ._verdicts import sun_altitude_deg
 
 #: Borders of the bins in the altitude of the Sun, degrees.
 SUN_EDGES_DEG = (-90.0, -18.0, -15.0, -12.0, 0.0)
@@ -28,8 +33,14 @@ FLAGS = ("verdict", "n_streaks", "expected_lost_pixel_fraction", "streak_cost_s"
 #: Column of ``observations`` that is read if the table has it: the identifier of a visit in the scheduler.
 TARGET = "target_id"
 
-#: Name of the lost fraction of pixels in the tables of `streakcast.dask`.
+#: Name of the lost fraction of pixels in the tables of `streakcast.dask` without next starts.
 OF_DASK = {"expected_lost_pixel_fraction": "lost_fraction"}
+#: Band of visits whose band is missing.
+UNKNOWN_BAND = "unknown"
+#: Largest difference between the start of a visit and that of its flags, days: more than that of time scales.
+SAME_START_DAY = 100.0 / 86_400.0
+#: Columns of a row of `survey_summary`: effects on the visits of known effects.
+EFFECTS = ("streaked_fraction", "bright_fraction", "avoid_fraction", "streak_cost_s", "streak_cost_fraction", "lost_pixel_fraction", "coadd_loss_mag")
 
 Columns = Mapping[str, Any]
 Annotated = Union[str, "os.PathLike[str]", Sequence[Columns]]
@@ -49,7 +60,8 @@ def survey_summary(
         Database that `annotate` or ``streakcast annotate`` wrote; or the visits given to `streakcast.dask.annotate`, with
         the columns of an opsim database, and what `streakcast.dask.read` and, optionally, `streakcast.dask.read_streaks` return.
     sun_edges_deg : sequence of float
-        Ascending borders of the bins in ``sunAlt``, the altitude of the Sun, degrees.
+        Ascending borders of the bins in ``sunAlt``, the altitude of the Sun, degrees. If the visits have no such column, the
+        altitude is computed for Rubin's site, with the times in UTC.
     exchanges : mapping of columns or path, optional
         ``exchanges`` of the `StreakQueueManager` of the survey, or a file of its `write_exchanges`. An exchange is that of
         the visit of its band with its ``target_id`` that starts at most 60 s from the predicted shutter opening; or, if the
@@ -59,7 +71,7 @@ def survey_summary(
     -------
     dict of arrays, ``(n_bins,)`` each
         One row for each year, band and bin with visits: ``year`` (from 1, of 365.25 days from the first visit),
-        ``band``, ``sun_min_deg``, ``sun_max_deg``, ``visits``, ``unknown_visits`` (verdict ``unknown`` or ``invalid``;
+        ``band`` (``unknown`` if it is missing), ``sun_min_deg``, ``sun_max_deg``, ``visits``, ``unknown_visits`` (verdict ``unknown`` or ``invalid``;
         the following columns are for the rest, and NaN if there are none), ``streaked_fraction``, ``bright_fraction``
         (expected fraction of visits with a streak that is brighter per pixel than that of a satellite at 550 km of the
         telescope's ``bright_mag``, by default 7; NaN without the table ``streaks``), ``avoid_fraction``,
@@ -72,12 +84,14 @@ def survey_summary(
     ------
     ValueError
         The database has no annotation, has one without a telescope, lacks a column, or repeats the number of a visit; or
-        the borders do not ascend; or the exchanges are invalid.
+        the visits are not those of the flags, or have ``sunAlt`` in radians; or the borders do not ascend; or the exchanges
+        are invalid.
 
     Warns
     -----
     StreakcastWarning
-        There are exchanges of no visit of the survey.
+        There are exchanges of no visit of the survey; or visits are in no row, because their start or the altitude of the
+        Sun is missing or outside the bins.
     """
     edges = np.asarray(sun_edges_deg, dtype=float)
     if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0.0).all():
@@ -91,6 +105,8 @@ def survey_summary(
         year[dated] = (start_mjd[dated] - start_mjd[dated].min()) // 365.25 + 1
     sun_bin = np.digitize(visits["sunAlt"], edges) - 1
     within = (sun_bin >= 0) & (sun_bin < len(edges) - 1) & dated
+    outside = {"without a start": ~dated, "with the Sun outside the bins, or at an unknown altitude": dated & ~within}
+    _warn_of_left_out(outside, "summary")
     keys = sorted({(int(one), str(band), int(each)) for one, band, each in zip(year[within], visits["band"][within], sun_bin[within])})
     rows = []
     for one, band, each in keys:
@@ -100,7 +116,8 @@ def survey_summary(
         row |= {"visits": int(chosen.sum()), "unknown_visits": int((chosen & ~known).sum())}
         row |= _effects({name: column[known] for name, column in visits.items()})
         rows.append(row | {name: column[chosen].sum() for name, column in of_exchanges.items()})
-    return {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
+    columns = ("year", "band", "sun_min_deg", "sun_max_deg", "visits", "unknown_visits", *EFFECTS, *of_exchanges)
+    return {name: np.array([row[name] for row in rows]) for name in columns}
 
 
 def survey_maps(annotated: Annotated, *, nside: int = 64, field_radius_deg: float = FIELD_RADIUS_DEG) -> dict[str, npt.NDArray[Any]]:
@@ -125,10 +142,19 @@ def survey_maps(annotated: Annotated, *, nside: int = 64, field_radius_deg: floa
     Raises
     ------
     ValueError
-        The database has no annotation or lacks a column.
+        The database has no annotation or lacks a column, the visits are not those of the flags, or the radius is out of
+        range.
+
+    Warns
+    -----
+    StreakcastWarning
+        Visits have no coordinates.
     """
+    at_least("field_radius_deg", field_radius_deg, 1e-4, 90.0)
     every = _read(annotated)
-    visits = {name: column[every["judged"]] for name, column in every.items()}
+    placed = np.isfinite(every["fieldRA"]) & (np.abs(every["fieldDec"]) <= 90.0)
+    _warn_of_left_out({"without coordinates": every["judged"] & ~placed}, "maps")
+    visits = {name: column[every["judged"] & placed] for name, column in every.items()}
     sums = {name: np.zeros(healpy.nside2npix(nside)) for name in ("visits", "streaked", "bright", "cost_s", "open_s")}
     centres = healpy.ang2vec(visits["fieldRA"], visits["fieldDec"], lonlat=True)
     streaked, cost_s = visits["n_streaks"] > 0, visits["streak_cost_s"]
@@ -155,8 +181,7 @@ def survey_maps(annotated: Annotated, *, nside: int = 64, field_radius_deg: floa
 def _effects(visits: dict[str, npt.NDArray[Any]]) -> dict[str, float]:
     """Returns the effects of streaks on visits whose effects are known."""
     if not len(visits["verdict"]):
-        names = ("streaked_fraction", "bright_fraction", "avoid_fraction", "streak_cost_s", "streak_cost_fraction", "lost_pixel_fraction", "coadd_loss_mag")
-        return dict.fromkeys(names, np.nan)
+        return dict.fromkeys(EFFECTS, np.nan)
     lost = visits["streak_cost_s"].sum() / visits["visitExposureTime"].sum()
     return {
         "streaked_fraction": float((visits["n_streaks"] > 0).mean()),
@@ -168,6 +193,30 @@ def _effects(visits: dict[str, npt.NDArray[Any]]) -> dict[str, float]:
         # Depth of a coadded image: 1.25 log10(sum of t), with the time t - C of each visit.
         "coadd_loss_mag": float(-1.25 * np.log10(1.0 - lost)) if lost < 1.0 else np.inf,
     }
+
+
+def _warn_of_left_out(left_out: Mapping[str, npt.NDArray[np.bool_]], what: str) -> None:
+    """Issues a warning with the numbers of visits that are left out, by reason."""
+    counts = [f"{int(of_reason.sum()):,} {reason}" for reason, of_reason in left_out.items() if of_reason.any()]
+    if counts:
+        visits = len(next(iter(left_out.values())))
+        warnings.warn(f"visits that are not in the {what}: {', '.join(counts)} (of {visits:,})", StreakcastWarning, stacklevel=3)
+
+
+def _sun_altitudes_deg(visits: dict[str, npt.NDArray[Any]], origin: str) -> npt.NDArray[np.float64]:
+    """Returns the altitudes of the Sun; NaN if they are unknown."""
+    given = visits.get("sunAlt")
+    if given is not None:
+        known = given[np.isfinite(given)]
+        if known.size and (np.abs(known) < np.pi / 2.0).all() and known.min() < -0.1:
+            raise ValueError(f"{origin}sunAlt is {known.min():g} to {known.max():g}; allowed: degrees (these are radians)")
+        return given
+    lsst, start_mjd = RubinSite("LSST"), visits["observationStartMJD"]
+    site = Site("Rubin", lsst.latitude, lsst.longitude, lsst.height)
+    altitude_deg, dated = np.full(len(start_mjd), np.nan), np.isfinite(start_mjd)
+    if dated.any():
+        altitude_deg[dated] = sun_altitude_deg(start_mjd[dated], "utc", site)
+    return altitude_deg
 
 
 def _p_bright(streaks: Sequence[tuple[Any, Any, Any]]) -> dict[str, float]:
@@ -192,13 +241,20 @@ def _read(annotated: Annotated) -> dict[str, npt.NDArray[Any]]:
         origin = ""
     visits = columns.pop("observationId")
     columns["p_bright"] = [None if p_bright is None else p_bright.get(str(one), 0.0) for one in visits]
+    columns["band"] = [UNKNOWN_BAND if one is None or one != one else one for one in columns["band"]]
     texts = {name: np.array([str(one) for one in columns.pop(name)], dtype=object) for name in ("verdict", "band")}
     numbers = {name: np.array([one if isinstance(one, (int, float)) else np.nan for one in column], dtype=float) for name, column in columns.items()}
     known = ~np.isin(texts["verdict"], (*UNJUDGED, "None"))
     if known.any() and np.isnan(numbers["streak_cost_s"][known]).all():
         raise ValueError(f"{origin}the annotation has no streak_cost_s; allowed: an annotation with a telescope (for example --telescope rubin)")
+    numbers["sunAlt"] = _sun_altitudes_deg(numbers, origin)
     finite = np.isfinite(numbers["streak_cost_s"]) & np.isfinite(numbers["n_streaks"]) & np.isfinite(numbers["visitExposureTime"])
     return {**numbers, **texts, "judged": finite & known}
+
+
+def _read_columns(has: Any) -> list[str]:
+    """Returns the columns of visits that are read from a table with the columns `has`."""
+    return [name for name in OBSERVATIONS if name != "sunAlt" or name in has]
 
 
 def _of_database(path: Path) -> tuple[dict[str, Sequence[Any]], Optional[dict[str, float]]]:
@@ -210,8 +266,8 @@ def _of_database(path: Path) -> tuple[dict[str, Sequence[Any]], Optional[dict[st
             of_flags, has, of_streaks = ([row[1] for row in base.execute(f"PRAGMA table_info({name})")] for name in ("streak_flags", "observations", "streaks"))
             if not of_flags:
                 raise ValueError(f"{path} has no table streak_flags; allowed: a database that streakcast annotate wrote")
-            band = "band" if "band" in has else "filter"
-            missing = [name for name in ("observationId", *OBSERVATIONS, band) if name not in has]
+            band, read = "band" if "band" in has else "filter", _read_columns(has)
+            missing = [name for name in ("observationId", *read, band) if name not in has]
             missing += [name for name in ("exposure_id", *FLAGS) if name not in of_flags]
             if missing:
                 raise ValueError(f"{path}: missing column {', '.join(missing)}")
@@ -219,14 +275,14 @@ def _of_database(path: Path) -> tuple[dict[str, Sequence[Any]], Optional[dict[st
             for (number,) in base.execute(repeated):
                 raise ValueError(f"{path}: observationId {number} has several different visits; allowed: unique numbers")
             targets = [TARGET] if TARGET in has else []
-            selected = ", ".join([*(f"o.{name}" for name in ("observationId", *OBSERVATIONS, band, *targets)), *(f"f.{name}" for name in FLAGS)])
+            selected = ", ".join([*(f"o.{name}" for name in ("observationId", *read, band, *targets)), *(f"f.{name}" for name in FLAGS)])
             has_streaks = {"exposure_id", "probability", "p_bright"} <= set(of_streaks)
             streaks = base.execute("SELECT exposure_id, probability, p_bright FROM streaks").fetchall() if has_streaks else None
             # A visit that is repeated in all columns counts once.
             rows = base.execute(f"SELECT DISTINCT {selected} FROM observations o LEFT JOIN streak_flags f ON o.observationId = f.exposure_id").fetchall()
     except sqlite3.Error as error:
         raise ValueError(f"{path}: {error}") from error
-    names = ("observationId", *OBSERVATIONS, "band", *targets, *FLAGS)
+    names = ("observationId", *read, "band", *targets, *FLAGS)
     columns: dict[str, Sequence[Any]] = dict(zip(names, zip(*rows) if rows else ((),) * len(names)))
     return columns, None if streaks is None else _p_bright(streaks)
 
@@ -234,16 +290,19 @@ def _of_database(path: Path) -> tuple[dict[str, Sequence[Any]], Optional[dict[st
 def _of_tables(visits: Columns, flags: Columns, streaks: Optional[Columns] = None) -> tuple[dict[str, Sequence[Any]], Optional[dict[str, float]]]:
     """Returns the same from the tables of `streakcast.dask`."""
     names = set(visits.keys())
-    band = "band" if "band" in names else "filter"
-    of_flags = {name: OF_DASK.get(name, name) for name in FLAGS}
-    missing = [name for name in (*OBSERVATIONS, band) if name not in names]
+    band, read = "band" if "band" in names else "filter", _read_columns(names)
+    of_flags = {name: name if name in flags else OF_DASK.get(name, name) for name in FLAGS}
+    missing = [name for name in (*read, band) if name not in names]
     missing += [name for name in ("visit", *of_flags.values()) if name not in flags]
     missing += [name for name in ("visit", "probability", "p_bright") if streaks is not None and name not in streaks]
     if missing:
         raise ValueError(f"missing column {', '.join(missing)}")
-    rows = np.asarray(flags["visit"], dtype=int)
+    rows, count = np.asarray(flags["visit"], dtype=int), len(np.asarray(visits[band]))
+    if not np.array_equal(np.sort(rows), np.arange(count)):
+        raise ValueError(f"the flags are those of {len(rows):,} visits, but there are {count:,}; allowed: the visits given to streakcast.dask.annotate")
     columns: dict[str, Sequence[Any]] = {"observationId": rows.tolist()}
-    for name, unit in OBSERVATIONS.items():
+    for name in read:
+        unit = OBSERVATIONS[name]
         column = visits[name]
         if getattr(column, "unit", None) is not None:
             column = getattr(column, "quantity", column)
@@ -251,6 +310,11 @@ def _of_tables(visits: Columns, flags: Columns, streaks: Optional[Columns] = Non
     for name, column in (("band", band), (TARGET, TARGET)):
         if column in names:
             columns[name] = np.asarray(visits[column])[rows].tolist()
+    if "start_mjd_tai" in flags:
+        apart_day = np.abs(np.asarray(columns["observationStartMJD"], dtype=float) - np.asarray(flags["start_mjd_tai"], dtype=float))
+        if (apart_day > SAME_START_DAY).any():
+            row = int(rows[np.argmax(apart_day > SAME_START_DAY)])
+            raise ValueError(f"visit {row} is not the one of its flags: their starts differ; allowed: the visits given to streakcast.dask.annotate, in the same order")
     for name, of_flag in of_flags.items():
         columns[name] = np.ma.asarray(flags[of_flag]).tolist()
     of_streaks = None if streaks is None else [np.ma.asarray(streaks[name]).tolist() for name in ("visit", "probability", "p_bright")]

@@ -2,6 +2,7 @@
 
 import os
 import sqlite3
+import warnings
 
 import brute_force
 import night
@@ -10,6 +11,7 @@ import pytest
 from conftest import EVENING
 from streakcast import StreakcastWarning
 from streakcast_rubin import annotate, visit_columns
+from streakcast_rubin._verdicts import sun_altitude_deg
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +75,9 @@ def test_invalid_databases_are_rejected(opsim, models, tmp_path):
     (tmp_path / "text.db").write_text("not a database, but long enough that SQLite reads its header " * 11)
     with pytest.raises(ValueError, match="text.db"):
         annotate(tmp_path / "text.db", tmp_path / "out.db", models[4408])
+    (tmp_path / "schedule.csv").write_text("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n1,2026-01-15T03:00:00Z,30,10,-30\n")
+    with pytest.raises(ValueError, match="schedule.csv is no opsim database"):
+        annotate(tmp_path / "schedule.csv", tmp_path / "out.db", models[4408])
     with sqlite3.connect(tmp_path / "poor.db") as base:
         base.execute("CREATE TABLE observations (observationId INTEGER, fieldRA REAL)")
     with pytest.raises(ValueError, match="poor.db"):
@@ -139,3 +144,25 @@ def test_the_copy_has_default_permissions(opsim, models, tmp_path, umask):
         os.umask(before)
     assert (tmp_path / "out.db").stat().st_mode & 0o777 == 0o666 & ~umask
     assert [one.name for one in tmp_path.iterdir()] == ["out.db"]
+
+
+@pytest.mark.parametrize(("scale", "count"), [("utc", 0), ("tai", 1)])
+def test_the_altitude_of_the_sun_shows_a_wrong_scale(models, scale, count):
+    """Altitudes in simulations are those at the times in UTC."""
+    mjd = 61_155.0 + np.linspace(0.0, 0.3, 40)
+    columns = ("RA", "dec", "rotSkyPos", "mjd", "exptime", "sunAlt")
+    visits = np.zeros(len(mjd), dtype=[*((name, float) for name in columns), ("band", "U1")])
+    visits["RA"], visits["dec"], visits["mjd"], visits["exptime"], visits["band"] = 3.0, -0.5, mjd, 30.0, "r"
+    visits["sunAlt"] = np.radians(sun_altitude_deg(mjd, "utc", models[4408].site))
+    for table, expected in ((visits, count), (visits[0:0], 0)):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            assert len(visit_columns(table, models[4408], mjd_scale=scale)["verdict"]) == len(table)
+        texts = [str(one.message) for one in caught if "Sun of the visits" in str(one.message)]
+        assert len(texts) == expected and all("mjd_scale='utc' agrees" in text for text in texts), texts
+    # Columns that were not filled are not compared.
+    visits["sunAlt"] = 0.0
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        visit_columns(visits, models[4408], mjd_scale=scale)
+    assert not any("Sun of the visits" in str(one.message) for one in caught)

@@ -153,7 +153,9 @@ def test_tai_and_utc_differ(models, pairs_evening):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"look_ahead": 0}, "look_ahead is 0; allowed: a number from 1 upwards"),
+        ({"look_ahead": 0}, "look_ahead is 0; allowed: a whole number from 1 upwards"),
+        ({"look_ahead": 2.5}, "look_ahead is 2.5; allowed: a whole number"),
+        ({"look_ahead": "12"}, "look_ahead is '12'; allowed: a whole number"),
         ({"bright_share": -0.1}, "0 to 100"),
         ({"bright_share": float("nan")}, "bright_share is nan"),
         ({"limit_mag": {"q": 7.0}}, "limit_mag has the unknown band 'q'"),
@@ -225,3 +227,8 @@ def test_a_model_without_a_telescope(folder):
     for one in (model, model.with_options(fov="3.5deg")):
         with pytest.raises(ValueError, match="no telescope"):
             manager_of(one)
+
+
+def test_something_else_than_a_model_is_rejected():
+    with pytest.raises(TypeError, match="model is of the type str; allowed: a StreakModel"):
+        StreakCostBasisFunction("model")

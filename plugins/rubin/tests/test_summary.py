@@ -6,9 +6,14 @@ import healpy
 import numpy as np
 import pytest
 from astropy import units as u
+from astropy.coordinates import AltAz, EarthLocation, get_sun
 from astropy.table import QTable
+from astropy.time import Time
 from streakcast import StreakcastWarning
 from streakcast_rubin import survey_maps, survey_summary
+
+#: One of the visits below is by daylight.
+pytestmark = pytest.mark.filterwarnings("ignore:visits that are not in the summary")
 
 UNITS = {"fieldRA": u.deg, "fieldDec": u.deg, "sunAlt": u.deg, "visitExposureTime": u.s}
 #: Visits: start (MJD), RA, dec, exposure, altitude of the Sun, band, verdict, number of streaks, lost pixels, cost.
@@ -83,8 +88,16 @@ def test_tables_of_dask_give_the_same(annotated):
     for name, column in survey_summary(annotated).items():
         np.testing.assert_allclose(of_table[name], column, err_msg=name) if name != "band" else None
     assert np.isnan(survey_summary((visits, flags))["bright_fraction"]).all()
-    with pytest.raises(ValueError, match="missing column sunAlt"):
-        survey_summary(({name: visits[name] for name in names if name != "sunAlt"}, flags))
+    # With next starts, the tables of Dask have the names of `flag`.
+    of_flag = {("expected_lost_pixel_fraction" if name == "lost_fraction" else name): column for name, column in flags.items()}
+    of_flag["start_mjd_tai"] = visits["observationStartMJD"][order] + 37.0 / 86_400.0
+    assert survey_summary((visits, of_flag))["lost_pixel_fraction"][0] == survey_summary((visits, flags))["lost_pixel_fraction"][0]
+    fewer, reverse = ({name: column[part] for name, column in visits.items()} for part in (slice(3), slice(None, None, -1)))
+    for summary in (survey_summary, survey_maps):
+        with pytest.raises(ValueError, match="the flags are those of 8 visits, but there are 3; allowed"):
+            summary((fewer, flags))
+        with pytest.raises(ValueError, match="visit 4 is not the one of its flags: their starts differ"):
+            summary((reverse, of_flag))
 
 
 def test_exchanges_are_summed_by_row(annotated, tmp_path):
@@ -156,12 +169,47 @@ def test_visits_without_a_start_and_empty_databases(annotated):
     assert all((before[name] == after[name]).all() for name in ("year", "band", "visits"))
     with sqlite3.connect(annotated) as base:
         base.execute("UPDATE observations SET observationStartMJD = NULL")
-    assert survey_summary(annotated) == {}
+    with pytest.warns(StreakcastWarning, match=r"not in the summary: 9 without a start \(of 9\)"):
+        without = survey_summary(annotated)
+    assert list(without) == list(before) and not any(len(column) for column in without.values())
     with sqlite3.connect(annotated) as base:
         base.execute("DELETE FROM observations")
-    assert survey_summary(annotated) == {} and survey_maps(annotated)["visits"].sum() == 0
+    assert not len(survey_summary(annotated)["year"]) and survey_maps(annotated)["visits"].sum() == 0
     with pytest.raises(ValueError, match="lack the column mjd"):
         survey_summary(annotated, exchanges={})
+
+
+def test_visits_that_are_left_out_are_counted(annotated):
+    with pytest.warns(StreakcastWarning, match=r"summary: 1 with the Sun outside the bins, or at an unknown altitude \(of 8\)"):
+        survey_summary(annotated)
+    with sqlite3.connect(annotated) as base:
+        base.execute("UPDATE observations SET sunAlt = NULL, band = NULL WHERE observationId = 0")
+        base.execute("UPDATE observations SET fieldRA = NULL WHERE observationId = 4")
+    with pytest.warns(StreakcastWarning, match="summary: 2 with the Sun outside"):
+        assert survey_summary(annotated)["visits"].sum() == 6
+    with pytest.warns(StreakcastWarning, match=r"not in the maps: 1 without coordinates \(of 8\)"):
+        assert survey_maps(annotated, nside=8, field_radius_deg=10.0)["visits"].max() == 5
+    for radius_deg in (0.0, -1.0, np.nan, 200.0):
+        with pytest.raises(ValueError, match="field_radius_deg is"):
+            survey_maps(annotated, field_radius_deg=radius_deg)
+
+
+def test_the_altitude_of_the_sun_is_computed_if_the_survey_has_none(annotated):
+    """Altitudes by astropy for the site of rubin_scheduler; a missing band is one of its own."""
+    starts = Time([visit[0] for visit in VISITS], format="mjd", scale="utc")
+    site = EarthLocation.from_geodetic(-70.7494 * u.deg, -30.2444 * u.deg, 2650 * u.m)
+    altitudes_deg = get_sun(starts).transform_to(AltAz(obstime=starts, location=site)).alt.deg
+    with sqlite3.connect(annotated) as base:
+        base.execute("UPDATE observations SET sunAlt = sunAlt * 0.01745")
+    with pytest.raises(ValueError, match="sunAlt is .*; allowed: degrees"):
+        survey_summary(annotated)
+    with sqlite3.connect(annotated) as base:
+        base.execute("ALTER TABLE observations DROP COLUMN sunAlt")
+        base.execute("UPDATE observations SET band = NULL")
+    for low_deg, high_deg in ((-90.0, 0.0), (0.0, 30.0), (30.0, 90.0)):
+        inside = (altitudes_deg >= low_deg) & (altitudes_deg < high_deg)
+        rows = survey_summary(annotated, sun_edges_deg=(low_deg, high_deg))
+        assert rows["visits"].sum() == inside.sum() and set(rows["band"]) <= {"unknown"}
 
 
 def test_without_streaks_the_share_of_bright_ones_is_unknown(annotated):
@@ -191,8 +239,8 @@ def test_databases_without_annotation_are_rejected(annotated, tmp_path):
     with pytest.raises(ValueError, match="is not a file"):
         survey_summary(tmp_path / "none.db")
     with sqlite3.connect(annotated) as base:
-        base.execute("ALTER TABLE observations DROP COLUMN sunAlt")
-    with pytest.raises(ValueError, match="missing column sunAlt"):
+        base.execute("ALTER TABLE observations DROP COLUMN visitExposureTime")
+    with pytest.raises(ValueError, match="missing column visitExposureTime"):
         survey_summary(annotated)
     with sqlite3.connect(annotated) as base:
         base.execute("DROP TABLE streak_flags")

@@ -438,7 +438,7 @@ class ExposureQueries(SiteQueries):
             name: aligned((part if part.shape == shape else np.broadcast_to(part, shape)).reshape(-1))
             for name, part in zip(names, parts)
         }
-        bands = [] if band is None else _band_names(band)
+        bands = [] if band is None or 0 in shape else _band_names(band)
         return exposures, bands, shape
 
     def _warn_of_invalid(self, verdicts: "npt.ArrayLike", exposures: Mapping[str, FloatArray]) -> None:

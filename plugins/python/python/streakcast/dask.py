@@ -39,11 +39,15 @@ class VisitsLike(Protocol):
 
 #: Required columns of a table of visits.
 COLUMNS = ("ra_deg", "dec_deg", "start", "exposure_s")
+#: Julian date of MJD 0.
+MJD_ZERO_JD = 2_400_000.5
+#: Column of the starts of visits, MJD, in opsim databases.
+OPSIM_START = "observationStartMJD"
 #: Columns of a table ``observations`` of Rubin's opsim databases that have the meaning of the others.
 OPSIM = {
     "fieldRA": "ra_deg",
     "fieldDec": "dec_deg",
-    "observationStartMJD": "start",
+    OPSIM_START: "start",
     "visitExposureTime": "exposure_s",
     "rotSkyPos": "rotation_deg",
     "filter": "band",
@@ -100,23 +104,33 @@ def annotate(
     list of Path
         Files of the nights in time order. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``,
         ``brightest_mag``, ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``,
-        ``p_crossing``, ``elements_age_days``, ``late_s`` and ``streak_cost_s`` (of the time with open shutter,
-        ``visitExposureTime``, for visits of several snaps); `read` returns all nights in one table,
+        ``p_crossing``, ``elements_age_days``, ``late_s``, ``streak_cost_s`` (of the time with open shutter,
+        ``visitExposureTime``, for visits of several snaps) and ``start_mjd_tai``; `read` returns all nights in one table,
         `read_streaks` all streaks.
 
     Warns
     -----
     StreakcastWarning
         The warnings of the workers, each once with the number of nights, also those of nights that were skipped; and
-        visits with numbers that are missing or out of range.
+        visits with numbers that are missing or out of range; and the times of an opsim database, which are in UTC, are
+        read in another scale.
 
     Raises
     ------
     ValueError
-        A column is missing, or columns differ in length.
+        A column is missing, columns differ in length, or there are no visits.
+    TypeError
+        `client` is no client of Dask.
     """
     _require_pyarrow()
-    columns = _columns(visits, model, model.mjd_scale if scale is None else scale)
+    scale = model.mjd_scale if scale is None else scale
+    columns = _columns(visits, model, scale)
+    if not len(columns["jd1"]):
+        raise ValueError("there are no visits; allowed: at least one")
+    if not hasattr(client, "submit"):
+        raise TypeError(f"client is of the type {type(client).__name__}; allowed: a distributed.Client")
+    if scale not in (None, "utc") and "start" not in visits.keys():
+        warn(f"opsim databases have {OPSIM_START} in UTC, but it is read as {scale}: crossings are those of other times unless the file was converted")
     output = Path(folder).absolute()
     output.mkdir(parents=True, exist_ok=True)
     nights = _nights(columns, model)
@@ -205,6 +219,8 @@ def _read_all(files: Sequence[PathLike]) -> Columns:
     import pyarrow
     import pyarrow.parquet
 
+    if not files:
+        raise ValueError("there are no files; allowed: the files of annotate, at least one")
     tables = [pyarrow.parquet.read_table(path).replace_schema_metadata() for path in files]
     # Lists of a night without streaks have no type.
     table = pyarrow.concat_tables(tables, promote_options="default")
@@ -223,7 +239,10 @@ def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Colum
     table = {OPSIM.get(name, name) if OPSIM.get(name) not in names else name: _column(visits, name) for name in names}
     missing = [name for name in COLUMNS if name not in table]
     if missing:
-        raise ValueError(f"missing columns of visits {', '.join(missing)}; allowed: all of {', '.join(COLUMNS)}")
+        of_opsim = ", ".join(name for name, meaning in OPSIM.items() if meaning in COLUMNS)
+        raise ValueError(
+            f"missing columns of visits {', '.join(missing)}; allowed: all of {', '.join(COLUMNS)} (or of opsim's {of_opsim})"
+        )
     columns: Columns = dict(zip(("jd1", "jd2"), map(np.ravel, to_tai_or_nan(table["start"], scale, "start"))))
     for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
         if name in table:
@@ -341,7 +360,9 @@ def _one_night(
             passes = dict(model._crossings(known, [bands[row] for row in judged] if bands else [], "dict"))
             crossed = rows[judged[np.asarray(passes.pop("exposure_id"), dtype=np.int64)]]
             _write(_streaks_beside(Path(path)), {"visit": crossed, **passes}, key, messages)
-    _write(Path(path), {"visit": rows, **columns}, key, messages)
+    # Identifies the visits of the rows, if tables are joined later.
+    start_mjd_tai = (part["jd1"] - MJD_ZERO_JD) + part["jd2"]
+    _write(Path(path), {"visit": rows, "start_mjd_tai": start_mjd_tai, **columns}, key, messages)
     return len(rows)
 
 

@@ -20,7 +20,7 @@ use streakcast::Error;
 
 pub const PARAMETERS: &[Parameter] = &[
     required("start_utc", Kind::Moment, "Shutter opening."),
-    required("duration_s", number(0.0, 3600.0, " s"), "Length of the exposure, seconds."),
+    required("duration_s", number(0.001, 3600.0, " s"), "Length of the exposure, seconds."),
     optional(
         "ra_deg",
         number(0.0, 360.0, " deg"),

@@ -109,7 +109,7 @@ fn scheduled(state: &RequestState, row: usize, text: &str, rotation_deg: f64) ->
     let exposure = Exposure {
         id: id.clone(),
         start,
-        duration_s: within("duration_s", cells[1], [0.0, 3600.0], "s")?,
+        duration_s: within("duration_s", cells[1], [0.001, 3600.0], "s")?,
         pointing,
         rotation_rad: rotation_deg.to_radians(),
     };
