@@ -429,13 +429,15 @@ fn invalid_rows_are_kept_with_a_reason_and_the_others_are_evaluated() {
     assert_eq!(code, 0, "{stderr}");
     let warning = ": 10 of 12 exposures cannot be judged; first row 2, exposure nan: right ascension is NaN";
     assert!(stderr.contains(warning), "{stderr}");
+    // The row without an identifier and the short one.
+    assert!(stderr.contains("2 exposures have no exposure_id; the results name them by their rows"), "{stderr}");
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let flags = answer["flags"].as_array().unwrap();
     assert_eq!(flags.len(), rows.len() + 1);
     for (flag, (id, .., reason)) in flags.iter().zip(rows) {
         let judged = reason.is_empty();
         assert_eq!(flag["verdict"] == "invalid", !judged, "{flag}");
-        assert_eq!(flag["exposure_id"], if id.is_empty() { "11" } else { id });
+        assert_eq!(flag["exposure_id"], if id.is_empty() { "row 11" } else { id });
         if !judged {
             assert!(flag["reasons"][0].as_str().unwrap().contains(reason), "{flag}");
             assert!(flag["p_any"].is_null() && flag["next_clear_start_utc"].is_null(), "{flag}");

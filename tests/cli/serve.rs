@@ -119,10 +119,11 @@ fn many_exposures_in_one_request_have_the_verdicts_of_single_ones() {
     assert!(verdicts.len() > 1, "{verdicts:?}");
     let one = "2026-08-14T23:29:05Z,30,198.9,7.7";
     for (list, words) in [
-        (one.replace("30,", "x,"), "exposure 1: invalid duration_s 'x'; allowed: 0 to 3600 s"),
+        (one.replace("30,", "0,"), "exposure 1: invalid duration_s '0'; allowed: 0.001 to 3600 s"),
+        (one.replace("30,", "x,"), "exposure 1: invalid duration_s 'x'; allowed: 0.001 to 3600 s"),
         (
             format!("{one};{}", one.replace("30,", "4000,")),
-            "exposure 2: invalid duration_s '4000'; allowed: 0 to 3600 s",
+            "exposure 2: invalid duration_s '4000'; allowed: 0.001 to 3600 s",
         ),
         (one.replace("198.9", "NaN"), "exposure 1: invalid ra_deg 'NaN'; allowed: 0 to 360 deg"),
         (one.replace("7.7", "97.7"), "exposure 1: invalid dec_deg '97.7'; allowed: -90 to 90 deg"),
