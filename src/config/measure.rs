@@ -142,8 +142,21 @@ impl MeasureConfig {
         let place_sigma = self.place_sigma.as_deref().map(|text| parse_angle_deg("place-sigma", text)).transpose()?;
         let table = self.star_table()?;
         let mut listed = MeasuredTables::read(&self.streaks, self.streaks_folder.as_deref(), &self.image)?;
-        let frames: Vec<(TargetFrame, bool)> =
-            listed.frames.iter().map(|path| self.open(path, config)).collect::<Result<_, _>>()?;
+        let mut frames: Vec<(TargetFrame, bool)> = Vec::new();
+        for path in std::mem::take(&mut listed.frames) {
+            match self.open(&path, config) {
+                Ok(frame) => {
+                    frames.push(frame);
+                    listed.frames.push(path);
+                }
+                Err(error) if self.image.contains(&path) => return Err(error),
+                // The rows that name this frame are invalid, not the request.
+                Err(error) => {
+                    let rows = listed.streaks_of(&path);
+                    listed.invalid.extend(rows.iter().map(|row| row.origin.of(error.clone())));
+                }
+            }
+        }
         let (first, last) = (
             frames.iter().map(|(frame, _)| frame.opened).min(),
             frames.iter().map(|(frame, _)| seconds_after(frame.opened, frame.exposure_s)).max(),

@@ -158,7 +158,16 @@ fn streaks_outside_of_the_frame_have_rows_with_flags() {
         assert_eq!((code, error.trim().lines().count()), (2, 1), "{text}: {error}");
         assert!(error.contains(words), "{text}: {error}");
     }
-    // Invalid rows are named and left out if others can be measured.
+    // Invalid rows are named and left out if others can be measured, and so are those of a frame that cannot be read.
+    fs::write(path(&folder, "broken.fits"), "SIMPLE").unwrap();
+    let text =
+        format!("id,image,x1_pix,y1_pix,x2_pix,y2_pix\na,broken.fits,1,2,90,99\nb,{frame},{x1},{y1},{x2},{y2}\n");
+    fs::write(&table, text).unwrap();
+    let (code, found, error) = run(&[&["measure", "--streaks", &table, "--seeing", "1.5arcsec", "--format", "csv"]]);
+    assert_eq!((code, column(&records(&found), "streak")), (0, vec!["b".to_owned()]), "{error}");
+    assert!(error.contains("edge.csv: line 2: ") && error.contains("broken.fits"), "{error}");
+    let (code, _, error) = run(&[&["measure", &path(&folder, "broken.fits"), "--streaks", &table]]);
+    assert!(code == 2 && error.contains("broken.fits"), "{error}");
     let name = std::path::Path::new(&frame).file_name().unwrap().to_str().unwrap();
     let text = format!(
         "id,image,hdu,enter_s,x1_pix,y1_pix,x2_pix,y2_pix\na,none.fits,,,1,2,3,4\nb,,7,,1,2,90,99\nc,,,1,left,2,3,4\n\
