@@ -483,7 +483,7 @@ fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
         (2, "HDU 0 is a cube of 2 planes (NAXIS3 = 2); allowed: an image of two axes: extract the plane of"),
         (3, "HDU 0 is a colour image of 3 planes (NAXIS3 = 3); allowed: an image of two axes: extract one channel"),
     ] {
-        let thick = with("thick.fits", &axes(planes), &good[2880..]);
+        let thick = with("thick.fits", &axes(planes), &[&good[2880..], &[0; 2880]].concat());
         let error = thick.read_plane(0).expect_err("a cube").to_string();
         assert!(error.contains(words), "{error}");
     }
