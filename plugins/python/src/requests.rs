@@ -156,8 +156,8 @@ pub fn identify<'py>(
 }
 
 /// Returns the candidates for the streaks of tables: `candidates` and `streak` as columns, `unknown_probability` and
-/// `n_candidates` of each streak, `warnings` about the satellites, `row_warnings`, and `remarks`. Names of frames in the
-/// tables are relative to `folder`, or to the folder of each table.
+/// `n_candidates` of each streak, `warnings` about the satellites, `row_warnings`, and `remarks`. Names of frames in
+/// the tables are relative to `folder`, or to the folder of each table.
 #[cfg(unix)]
 #[pyfunction]
 #[pyo3(signature = (request, tables, folder, engine, include_dark, top))]
