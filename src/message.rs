@@ -11,6 +11,8 @@ const LONGEST_VALUE: usize = 60;
 const LONGEST_STATEMENT: usize = 200;
 /// Largest number of names in a list.
 const MOST_NAMES: usize = 12;
+/// Number of messages of one kind that are shown.
+const MOST_MESSAGES: usize = 3;
 /// Number of characters at the end of a message that are kept if it is too long: the accepted values.
 const KEPT_END: usize = 300;
 
@@ -64,6 +66,18 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
         shown.push(format!("and {others} more"));
     }
     shown.join(", ")
+}
+
+/// Returns the first three of several messages of one kind, and the number of the others. `what` describes them in plural,
+/// for example "targets without a window".
+pub fn first_of(messages: impl IntoIterator<Item = String>, what: &str) -> Vec<String> {
+    let mut messages = messages.into_iter();
+    let mut shown: Vec<String> = messages.by_ref().take(MOST_MESSAGES).collect();
+    let others = messages.count();
+    if others > 0 {
+        shown.push(format!("{others} more {what}"));
+    }
+    shown
 }
 
 /// Returns a message of at most [`LONGEST_MESSAGE`] characters. If it is longer, its middle is left out.

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::document::Config;
 use super::error::request;
+use super::identify_plan::IdentifyPlan;
 use super::required::STREAK;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s, parse_exposure_s};
 use crate::error::Error;
@@ -14,7 +15,6 @@ use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, parse_start,
 use crate::identify::{MeasuredStreak, Timing, fit_line};
 use crate::images::{OUTLINES, Outline, PixelPosition, parse_regions};
 use crate::input;
-use crate::passes::Exposure;
 
 /// Default clock error (one sigma), seconds.
 pub(super) const TIME_SIGMA_S: f64 = 0.5;
@@ -116,30 +116,6 @@ pub struct IdentifyConfig {
     /// Clock error (one sigma) with its unit; 0.5s if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
     pub time_sigma: Option<String>,
-}
-
-/// Measured streak, with the option that specified it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IdentifyPlan {
-    /// Measured streak.
-    pub streak: MeasuredStreak,
-    /// Option that specified the position: `--end`, `--position-angle`, `--from-pix` or `--region`.
-    pub source: &'static str,
-    /// Sentences about times in the header of the frame that can be read in two ways.
-    pub remarks: Vec<String>,
-}
-
-impl IdentifyPlan {
-    /// Returns an exposure at the time of the streak, pointed at its middle.
-    pub fn exposure(&self) -> Exposure {
-        Exposure {
-            id: String::new(),
-            start: self.streak.start(),
-            duration_s: self.streak.duration_s(),
-            pointing: self.streak.middle(),
-            rotation_rad: 0.0,
-        }
-    }
 }
 
 /// Line on the sky along a streak: two ends, or a middle with an angle.

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use super::error;
 use super::identify::IdentifyConfig;
 use super::identify_frame::clipped;
+use super::measured_tables::frame_of;
 use crate::error::Error;
-use crate::images::{Bounded, StreakEnds, StreakTable};
+use crate::images::{Bounded, RowOrigin, StreakEnds, StreakRow, StreakTable};
+use crate::input::Column;
 use crate::message::listed;
 use crate::units::SECONDS;
 
@@ -15,25 +17,46 @@ use crate::units::SECONDS;
 const MOST_STREAKS: usize = 10_000;
 
 /// Row of a table of streaks.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TableStreak {
+pub(super) struct TableStreak {
     /// Name of the streak: the column `id`, or the number of the row from 1.
     pub id: String,
     /// The table and its line, for errors.
-    pub origin: String,
+    pub origin: RowOrigin,
     /// The streak.
     pub streak: IdentifyConfig,
 }
 
-/// Returns the streaks of a table (CSV, ECSV, ASTRiDE, a catalog of findsat_mrt, or regions of DS9), and remarks about its columns.
+/// Streaks of a table.
+pub(super) struct TableStreaks {
+    pub streaks: Vec<TableStreak>,
+    /// Errors of rows, which are left out.
+    pub invalid: Vec<Error>,
+    /// Remarks about the columns.
+    pub remarks: Vec<String>,
+    /// Warning about rows without ends, which are left out.
+    pub without_ends: Option<String>,
+}
+
+/// Columns of the times of a streak.
+struct TimeColumns {
+    start: Option<Column>,
+    duration_s: Option<Bounded>,
+}
+
+/// Returns the streaks of a table (CSV, ECSV, ASTRiDE, a catalog of findsat_mrt, or regions of DS9).
 ///
-/// The frame of a row is that of its column `image`, relative to the folder of the table, or else that of `base`. Its
-/// columns `start_utc` and `duration_s`, or else the values of `base`, replace the times in the header of the frame. Ends
-/// in pixels are those of the part in the frame. Rows without ends are left out, which a remark states.
+/// The frame of a row is that of its column `image`: the frame of `base` if it has this name, or else a file relative to
+/// `folder`, or to the folder of the table. Without this cell it is the frame of `base`. The columns `start_utc` and
+/// `duration_s`, or else the values of `base`, replace the times in the header of the frame. Ends in pixels are those of
+/// the part in the frame.
 ///
 /// # Errors
-/// The table cannot be read, a cell is invalid, or a streak in pixels has no frame.
-pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<TableStreak>, Vec<String>), Error> {
+/// The table cannot be read.
+pub(super) fn streaks_of_table(
+    path: &Path,
+    folder: Option<&Path>,
+    base: &IdentifyConfig,
+) -> Result<TableStreaks, Error> {
     let others = [
         ("--end", !base.end.is_empty()),
         ("--ra", base.ra.is_some()),
@@ -44,55 +67,66 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
     if let Some((first, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
         return Err(error::both(first, "--streaks"));
     }
-    let (table, (start, duration_s)) = StreakTable::read(path, |rows| -> io::Result<_> {
-        // In tables of measured streaks, durations are the times in the frame and not those of the exposure.
-        let is_measured = rows.find("streak").is_some();
-        let duration_s = Bounded::find(rows, &["duration_s"], &SECONDS, [0.0, 1e6])?.filter(|_| !is_measured);
-        Ok((rows.find("start_utc"), duration_s))
-    })?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let (mut streaks, mut without) = (Vec::new(), Vec::new());
-    for (row, number) in table.rows().zip(1..) {
-        if number > MOST_STREAKS {
-            return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
-        }
+    let (table, times) =
+        StreakTable::read(path, MOST_STREAKS, &["start_utc", "duration_s"], |rows| -> io::Result<_> {
+            // In tables of measured streaks, durations are the times in the frame and not those of the exposure.
+            let is_measured = rows.find("streak").is_some();
+            let duration_s = Bounded::find(rows, &["duration_s"], &SECONDS, [0.0, 1e6])?.filter(|_| !is_measured);
+            Ok(TimeColumns { start: rows.find("start_utc"), duration_s })
+        })?;
+    let folder = folder.or(path.parent()).unwrap_or(Path::new(""));
+    let (mut streaks, mut invalid, mut without) = (Vec::new(), table.invalid().to_vec(), Vec::new());
+    for row in table.rows() {
         if !row.has_ends() {
-            without.push(row.id(number));
+            without.push(row.id());
             continue;
         }
-        let image: Option<PathBuf> = row.image().map(|image| folder.join(image)).or_else(|| base.image.clone());
-        let hdu = row.hdu()?.or(base.hdu);
-        let mut streak = IdentifyConfig { image, hdu, ..base.clone() };
-        if let text @ [_, ..] = row.text(start).as_bytes() {
-            streak.start = Some(String::from_utf8_lossy(text).into_owned());
+        match streak_of_row(&row, folder, base, &times) {
+            Ok(streak) => streaks.push(TableStreak { id: row.id(), origin: row.origin(), streak }),
+            Err(error) => invalid.push(row.origin().of(error)),
         }
-        if let Some(seconds) = row.number(duration_s)? {
-            streak.exposure = Some(format!("{seconds}s"));
-        }
-        match row.ends()? {
-            StreakEnds::Sky(ends) => {
-                streak.end = ends
-                    .iter()
-                    .map(|end| format!("{},{}", end.longitude_rad().to_degrees(), end.latitude_rad().to_degrees()))
-                    .collect();
-            }
-            StreakEnds::Pixels(ends) => {
-                let Some(frame) = &streak.image else {
-                    return Err(row.invalid("image", "", "the frame of a streak in pixels, or --image FRAME"));
-                };
-                let [from, to] = clipped(frame, streak.hdu, ends)?.map(|at| {
-                    let [x, y] = at.fits();
-                    Some(format!("{x},{y}"))
-                });
-                (streak.from_pix, streak.to_pix) = (from, to);
-            }
-        }
-        streaks.push(TableStreak { id: row.id(number), origin: row.origin().to_string(), streak });
     }
-    let mut remarks = table.remarks(&["start_utc", "duration_s"]);
-    if !without.is_empty() {
+    let without_ends = (!without.is_empty()).then(|| {
         let names = listed(without.iter().map(String::as_str));
-        remarks.push(format!("{}: streaks without ends are left out: {names}", path.display()));
+        format!("{}: streaks without ends are left out: {names}", path.display())
+    });
+    Ok(TableStreaks { streaks, invalid, remarks: table.remarks(), without_ends })
+}
+
+/// Returns the request for a row.
+fn streak_of_row(
+    row: &StreakRow<'_>,
+    folder: &Path,
+    base: &IdentifyConfig,
+    times: &TimeColumns,
+) -> Result<IdentifyConfig, Error> {
+    let given: &[PathBuf] = base.image.as_slice();
+    let named = row.image().map(|image| frame_of(image, folder, given)).transpose()?;
+    let mut streak =
+        IdentifyConfig { image: named.or_else(|| base.image.clone()), hdu: row.hdu()?.or(base.hdu), ..base.clone() };
+    if let text @ [_, ..] = row.text(times.start).as_bytes() {
+        streak.start = Some(String::from_utf8_lossy(text).into_owned());
     }
-    Ok((streaks, remarks))
+    if let Some(seconds) = row.number(times.duration_s)? {
+        streak.exposure = Some(format!("{seconds}s"));
+    }
+    match row.ends()? {
+        StreakEnds::Sky(ends) => {
+            streak.end = ends
+                .iter()
+                .map(|end| format!("{},{}", end.longitude_rad().to_degrees(), end.latitude_rad().to_degrees()))
+                .collect();
+        }
+        StreakEnds::Pixels(ends) => {
+            let Some(frame) = &streak.image else {
+                return Err(row.invalid("image", "", "the frame of a streak in pixels, or --image FRAME"));
+            };
+            let [from, to] = clipped(frame, streak.hdu, ends)?.map(|at| {
+                let [x, y] = at.fits();
+                Some(format!("{x},{y}"))
+            });
+            (streak.from_pix, streak.to_pix) = (from, to);
+        }
+    }
+    Ok(streak)
 }

@@ -14,7 +14,7 @@ use super::measure::{MeasureConfig, photometry, unknown_observer_warning, with_s
 use super::prepared::PreparedSky;
 use super::required::FRAMES;
 use super::values::parse_angle_deg;
-use super::warnings::{first_of, name_or_number};
+use super::warnings::first_of;
 use crate::error::Error;
 use crate::frames::seconds_after;
 use crate::output::{Provenance, Table, counted};
@@ -387,7 +387,7 @@ fn mask_warnings(shown: &str, frame: &TargetFrame, mask: &FrameMask, options: &M
     let mut warnings = unused_streaks(shown, mask);
     let least = LEAST_COVERED * options.coverage;
     let less = mask.streaks.iter().filter(|streak| streak.coverage < least);
-    let less: Vec<String> = less.map(|streak| name_or_number(&streak.name, streak.norad_id)).collect();
+    let less: Vec<String> = less.map(|streak| streak.norad_id.or_name(&streak.name)).collect();
     if let Some(lowest) = mask.streaks.iter().map(|streak| streak.coverage).min_by(f64::total_cmp)
         && !less.is_empty()
     {
@@ -438,7 +438,7 @@ fn summary(frame: &TargetFrame, mask: &FrameMask) -> String {
     ];
     for (what, is_kind) in kinds {
         let of_kind = mask.left_out.iter().filter(|satellite| is_kind(&satellite.reason));
-        let names: Vec<String> = of_kind.map(|satellite| name_or_number(&satellite.name, satellite.norad_id)).collect();
+        let names: Vec<String> = of_kind.map(|satellite| satellite.norad_id.or_name(&satellite.name)).collect();
         if !names.is_empty() {
             parts.push(format!("{} {what} left out: {}", names.len(), first_of(&names)));
         }
@@ -450,7 +450,7 @@ fn summary(frame: &TargetFrame, mask: &FrameMask) -> String {
 fn unused_streaks(shown: &str, mask: &FrameMask) -> Vec<String> {
     let mut by_reason: BTreeMap<UnusedReason, Vec<String>> = BTreeMap::new();
     for (streak, reason) in &mask.unused {
-        by_reason.entry(*reason).or_default().push(name_or_number(&streak.name, streak.norad_id));
+        by_reason.entry(*reason).or_default().push(streak.norad_id.or_name(&streak.name));
     }
     let warning = |(reason, names): (UnusedReason, Vec<String>)| {
         let streaks = counted(names.len(), "measured streak is", "measured streaks are");

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::document::Config;
 use super::error;
 use super::injection_plan::{SkyOf, checked_size, seeing_form};
-use super::measured_tables::{MeasuredTables, identify_listed};
+use super::measured_tables::{MeasuredTables, identify_listed, rows_left_out};
 use super::required::FRAMES;
 use super::values::{parse_angle_deg, parse_exposure_s};
 use crate::error::Error;
@@ -44,6 +44,9 @@ pub struct MeasureConfig {
     /// catalog of acstools.findsat_mrt, or regions of DS9. With --elements or --shells the streaks are identified
     #[cfg_attr(feature = "cli", arg(long, value_name = "TABLE", num_args = 1..))]
     pub streaks: Vec<PathBuf>,
+    /// Folder to which names of frames in `streaks` are relative; that of each table if omitted.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub streaks_folder: Option<PathBuf>,
     /// Position error (one sigma) of the ends of --streaks with its unit; 3 pixels if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "streaks"))]
     pub place_sigma: Option<String>,
@@ -138,9 +141,22 @@ impl MeasureConfig {
         let satellite_size_m = checked_size(self.satellite_size)?;
         let place_sigma = self.place_sigma.as_deref().map(|text| parse_angle_deg("place-sigma", text)).transpose()?;
         let table = self.star_table()?;
-        let mut listed = MeasuredTables::read(&self.streaks, &self.image)?;
-        let frames: Vec<(TargetFrame, bool)> =
-            listed.frames.iter().map(|path| self.open(path, config)).collect::<Result<_, _>>()?;
+        let mut listed = MeasuredTables::read(&self.streaks, self.streaks_folder.as_deref(), &self.image)?;
+        let mut frames: Vec<(TargetFrame, bool)> = Vec::new();
+        for path in std::mem::take(&mut listed.frames) {
+            match self.open(&path, config) {
+                Ok(frame) => {
+                    frames.push(frame);
+                    listed.frames.push(path);
+                }
+                Err(error) if self.image.contains(&path) => return Err(error),
+                // The rows that name this frame are invalid, not the request.
+                Err(error) => {
+                    let rows = listed.streaks_of(&path);
+                    listed.invalid.extend(rows.iter().map(|row| row.origin.of(error.clone())));
+                }
+            }
+        }
         let (first, last) = (
             frames.iter().map(|(frame, _)| frame.opened).min(),
             frames.iter().map(|(frame, _)| seconds_after(frame.opened, frame.exposure_s)).max(),
@@ -198,7 +214,8 @@ impl MeasureConfig {
                         unknown = identify_listed(sky, frame, &mut streaks, place_sigma, &photometry)?;
                     }
                     let sigma_arcsec = place_sigma.map(|deg| deg * 3600.0);
-                    let (found, done) = measure_listed(frame, &streaks, sigma_arcsec, &options, watch)?;
+                    let invalid = &mut listed.invalid;
+                    let (found, done) = measure_listed(frame, &streaks, sigma_arcsec, &options, invalid, watch)?;
                     let of_frame = found.iter().filter_map(|streak| streak.measured.as_ref().ok());
                     let of_frame = of_frame.map(|pass| MeasuredPass::clone(pass)).collect();
                     rows.extend(found);
@@ -234,6 +251,10 @@ impl MeasureConfig {
             passes.extend(measured.passes);
             left_out.extend(measured.left_out);
         }
+        if let Some(first) = listed.invalid.first().filter(|_| rows.is_empty()) {
+            return Err(first.clone());
+        }
+        warnings.extend(rows_left_out(&listed.invalid));
         let has_distance = |row: &ListedMeasurement| {
             row.measured.as_ref().is_ok_and(|pass| {
                 pass.prediction.satellite.range_km.is_some() && pass.prediction.image_fwhm_arcsec.is_none()

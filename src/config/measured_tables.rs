@@ -2,13 +2,12 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::error::request;
 use super::identify::{POSITION_SIGMA_PIX, TIME_SIGMA_S};
 use crate::error::Error;
 use crate::frames::seconds_between;
 use crate::identify::{IdentifyOptions, MeasuredStreak, Timing, identify_streak};
 use crate::measure::{KnownSatellite, ListedStreak, StreakList};
-use crate::message::Quoted;
+use crate::message::{Quoted, first_of};
 use crate::orbit::LeftOut;
 use crate::passes::Sky;
 use crate::photometry::PhotometryOptions;
@@ -27,51 +26,55 @@ pub(super) struct MeasuredTables {
     pub frames: Vec<PathBuf>,
     /// Remarks about the columns of the tables.
     pub remarks: Vec<String>,
+    /// Errors of rows, which are left out.
+    pub invalid: Vec<Error>,
     /// Each table with its frame; `None` for the only table, whose rows are of all frames.
     tables: Vec<(StreakList, Option<PathBuf>)>,
 }
 
 impl MeasuredTables {
     /// Reads tables and finds the frames of their rows: the given `frames` of that name, or else the file relative to
-    /// the folder of the table. Rows of a single table without a name are of all frames; those of several tables are of
-    /// the frame at the place of the table.
+    /// `folder`, or to that of the table. Rows of a single table without a name are of all frames; those of several tables
+    /// are of the frame at the place of the table.
     ///
     /// # Errors
-    /// A table is invalid, or a row has no frame.
-    pub fn read(tables: &[PathBuf], frames: &[PathBuf]) -> Result<Self, Error> {
+    /// A table is invalid, or no row is valid.
+    pub fn read(tables: &[PathBuf], folder: Option<&Path>, frames: &[PathBuf]) -> Result<Self, Error> {
         let mut found = Self { frames: frames.to_vec(), ..Self::default() };
         for (number, path) in tables.iter().enumerate() {
             let mut list = StreakList::read(path)?;
             found.remarks.append(&mut list.remarks);
-            let folder = path.parent().unwrap_or(Path::new(""));
-            for streak in &mut list.streaks {
-                match &mut streak.image {
-                    Some(image) => {
-                        let file = frame_of(image, folder, frames).map_err(|allowed| {
-                            request(format!("{}: image is '{}'", streak.origin, Quoted::new(&*image))).allowing(allowed)
-                        })?;
-                        *image = file.display().to_string();
-                        if !found.frames.contains(&file) {
-                            found.frames.push(file);
-                        }
-                    }
-                    None if tables.len() == 1 && !frames.is_empty() => {}
-                    None if tables.len() == frames.len() => {}
+            found.invalid.append(&mut list.invalid);
+            let folder = folder.or(path.parent()).unwrap_or(Path::new(""));
+            for mut streak in std::mem::take(&mut list.streaks) {
+                let of_row = |error: Error| streak.origin.of(error);
+                let file = match &streak.image {
+                    Some(image) => frame_of(image, folder, frames).map(Some).map_err(of_row),
+                    None if tables.len() == 1 && !frames.is_empty() => Ok(None),
+                    None if tables.len() == frames.len() => Ok(None),
                     None => {
-                        return Err(request(format!(
-                            "{}: image is missing, with {} tables of streaks and {} frames",
-                            streak.origin,
-                            tables.len(),
-                            frames.len()
-                        ))
-                        .allowing("the file of the frame, or one table, or as many tables as FRAME..."));
+                        let given =
+                            format!("missing, with {} tables of streaks and {} frames", tables.len(), frames.len());
+                        let allowed = "the file of the frame, or one table, or as many tables as FRAME...";
+                        Err(of_row(Error::invalid("image", given, allowed)))
                     }
+                };
+                match file {
+                    Ok(file) => {
+                        streak.image = file.as_ref().map(|file| file.display().to_string());
+                        found.frames.extend(file.filter(|file| !found.frames.contains(file)));
+                        list.streaks.push(streak);
+                    }
+                    Err(error) => found.invalid.push(error),
                 }
             }
             let of_table = (tables.len() > 1).then(|| frames.get(number).cloned()).flatten();
             found.tables.push((list, of_table));
         }
-        Ok(found)
+        match found.invalid.first() {
+            Some(first) if found.tables.iter().all(|(list, _)| list.streaks.is_empty()) => Err(first.clone()),
+            _ => Ok(found),
+        }
     }
 
     /// Returns the streaks of a frame, in the order of the tables.
@@ -91,22 +94,28 @@ impl MeasuredTables {
 /// of the table, or else a file there.
 ///
 /// # Errors
-/// What is allowed, if there is no such frame or several.
-fn frame_of(image: &str, folder: &Path, frames: &[PathBuf]) -> Result<PathBuf, &'static str> {
+/// There is no such frame, or there are several.
+pub(super) fn frame_of(image: &str, folder: &Path, frames: &[PathBuf]) -> Result<PathBuf, Error> {
+    let invalid = |allowed| Error::invalid("image", format!("'{}'", Quoted::new(image)), allowed);
     let plain = |path: &Path| -> PathBuf { path.components().filter(|part| *part != Component::CurDir).collect() };
     let file = folder.join(image);
     let named: Vec<&PathBuf> = frames.iter().filter(|frame| plain(frame).ends_with(plain(Path::new(image)))).collect();
     match named[..] {
         [only] => Ok(only.clone()),
         [] if file.is_file() => Ok(file),
-        [] => Err("the name of a FRAME, or a file in the folder of the table"),
+        [] => Err(invalid("the name of a given frame, or a file in the folder of the table")),
         _ => {
             let in_folder = named.iter().find(|frame| plain(frame) == plain(&file));
             in_folder
                 .map(|frame| (*frame).clone())
-                .ok_or("the name of one FRAME with its folder, because several have this name")
+                .ok_or_else(|| invalid("the name of one frame with its folder, because several have this name"))
         }
     }
+}
+
+/// Returns warnings about rows of tables of streaks that are left out: the first three, and the number of the others.
+pub(super) fn rows_left_out(invalid: &[Error]) -> Vec<String> {
+    first_of(invalid.iter().map(|error| format!("{error}; the streak is left out")), "streaks left out")
 }
 
 /// Adds to each streak the satellite of the sky that has probably made it, or what the sky knows about the satellite that

@@ -17,6 +17,9 @@ mod health;
 mod identify;
 #[cfg(all(feature = "fits", unix))]
 mod identify_frame;
+mod identify_plan;
+#[cfg(all(feature = "fits", unix))]
+mod identify_streaks;
 #[cfg(all(feature = "fits", unix))]
 mod identify_table;
 #[cfg(all(feature = "fits", unix))]
@@ -50,9 +53,10 @@ pub use forecast::{ForecastConfig, SelectionConfig, TimeRangeConfig, parse_night
 pub use health::{
     AgeBin, ElementState, EphemerisState, Finding, Health, MomentSource, Severity, Unmatched, finding_table,
 };
-pub use identify::{IdentifyConfig, IdentifyPlan};
+pub use identify::IdentifyConfig;
+pub use identify_plan::{IdentifiedStreak, IdentifyPlan, IdentifySettings};
 #[cfg(all(feature = "fits", unix))]
-pub use identify_table::{TableStreak, streaks_of_table};
+pub use identify_streaks::{IdentifiedStreaks, SkyOver, StreakTables, identify_streaks};
 #[cfg(all(feature = "fits", unix))]
 pub use injection::InjectionConfig;
 #[cfg(all(feature = "fits", unix))]

@@ -364,7 +364,7 @@ fn merge_parts_of_stations(elements: &mut Vec<ElementSet>) -> Vec<String> {
         })
     };
     let parts = elements.iter().filter(|set| is_part(set));
-    let parts = parts.map(|set| warnings::name_or_number(&set.name, set.norad_id)).collect();
+    let parts = parts.map(|set| set.norad_id.or_name(&set.name)).collect();
     elements.retain(|set| !is_part(set));
     parts
 }

@@ -4,7 +4,7 @@ use std::error::Error;
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::elements::{ElementSet, NoradId, Origin, Rejected, Satellites};
+use crate::elements::{ElementSet, Origin, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::math::quantile::median;
 use crate::message::Quoted;
@@ -226,11 +226,6 @@ pub(super) fn of_contradictory(names: &[String]) -> Option<String> {
             first_of(names)
         )
     })
-}
-
-/// Returns the name of a satellite, or its catalogue number if the element set has no name.
-pub(super) fn name_or_number(name: &str, norad_id: NoradId) -> String {
-    if name.is_empty() { norad_id.to_string() } else { name.to_owned() }
 }
 
 /// Returns the first names of a list, separated by commas.

@@ -10,6 +10,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct NoradId(pub u32);
 
+impl NoradId {
+    /// Returns the name of the satellite, or this number if the name is empty.
+    pub fn or_name(self, name: &str) -> String {
+        if name.is_empty() { self.to_string() } else { name.to_owned() }
+    }
+}
+
 impl fmt::Display for NoradId {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(formatter)

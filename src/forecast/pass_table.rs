@@ -36,7 +36,7 @@ const P_BRIGHTER: Column = Column::real(
 impl<'a> PassRow<'a> {
     /// Returns the name of the satellite, or its catalogue number if it has no name.
     pub fn name(&self) -> String {
-        if self.elements.name.is_empty() { self.pass.norad_id.to_string() } else { self.elements.name.to_string() }
+        self.pass.norad_id.or_name(&self.elements.name)
     }
 
     /// Returns the brightest point; `None` if the pass has no magnitude.

@@ -185,31 +185,32 @@ const STREAK: [Column; 14] = [
     Column::real("angle_sigma_deg", "deg", 4, "One sigma of the position angle."),
 ];
 
-/// Returns the measured streak as a table of one row.
-pub fn streak_table(streak: &MeasuredStreak) -> Table {
+/// Returns measured streaks as a table, one row each.
+pub fn streak_table<'a>(streaks: impl IntoIterator<Item = &'a MeasuredStreak>) -> Table {
+    Table { columns: STREAK.to_vec(), rows: streaks.into_iter().map(streak_row).collect() }
+}
+
+fn streak_row(streak: &MeasuredStreak) -> Vec<Value> {
     let ends = streak.ends();
     let longitude = |end: usize| -> Value { ends.map(|ends| ends[end].longitude_rad().to_degrees()).into() };
     let latitude = |end: usize| -> Value { ends.map(|ends| ends[end].latitude_rad().to_degrees()).into() };
     let middle: Direction<Gcrs> = streak.middle();
-    Table {
-        columns: STREAK.to_vec(),
-        rows: vec![vec![
-            streak.start().into(),
-            seconds_after(streak.start(), streak.duration_s()).into(),
-            streak.timing().name().into(),
-            middle.longitude_rad().to_degrees().into(),
-            middle.latitude_rad().to_degrees().into(),
-            streak.position_angle_rad().to_degrees().into(),
-            streak.length_rad().map(f64::to_degrees).into(),
-            longitude(0),
-            latitude(0),
-            longitude(1),
-            latitude(1),
-            (streak.position_sigma_rad() * ARCSEC_PER_RAD).into(),
-            streak.time_sigma_s().into(),
-            streak.angle_sigma_rad().to_degrees().into(),
-        ]],
-    }
+    vec![
+        streak.start().into(),
+        seconds_after(streak.start(), streak.duration_s()).into(),
+        streak.timing().name().into(),
+        middle.longitude_rad().to_degrees().into(),
+        middle.latitude_rad().to_degrees().into(),
+        streak.position_angle_rad().to_degrees().into(),
+        streak.length_rad().map(f64::to_degrees).into(),
+        longitude(0),
+        latitude(0),
+        longitude(1),
+        latitude(1),
+        (streak.position_sigma_rad() * ARCSEC_PER_RAD).into(),
+        streak.time_sigma_s().into(),
+        streak.angle_sigma_rad().to_degrees().into(),
+    ]
 }
 
 fn light<'a>(row: &CandidateRow<'a>) -> Option<&'a Brightness> {

@@ -29,6 +29,8 @@ mod preview;
 mod psf_file;
 mod regions;
 #[cfg(all(feature = "fits", unix))]
+mod row_origin;
+#[cfg(all(feature = "fits", unix))]
 mod streak_catalogues;
 mod streak_cost;
 #[cfg(all(feature = "fits", unix))]
@@ -52,7 +54,9 @@ pub use pixels::{PixelPosition, Plane};
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use psf_file::{PsfFile, PsfGrid};
 #[cfg(all(feature = "fits", unix))]
-pub(crate) use streak_table::{RowOrigin, StreakEnds, StreakRow, StreakTable};
+pub(crate) use row_origin::RowOrigin;
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use streak_table::{StreakEnds, StreakRow, StreakTable};
 pub(crate) use telescope::{ARCSEC_PER_RAD, effective_magnitude, surface_brightness_mag_arcsec2};
 pub use telescope::{FieldOfView, Telescope};
 pub use wcs::Wcs;

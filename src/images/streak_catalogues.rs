@@ -16,16 +16,17 @@ use std::path::Path;
 
 use super::fits::{BinaryCells, BinaryColumn, FrameFile, HduKind};
 use super::regions::{Outline, Region, STREAKS, is_region_system, parse_regions};
+use super::row_origin::RowOrigin;
 use crate::error::Error;
-use crate::input::{self, Column, TableRows};
+use crate::input::{self, Column, TableRow, TableRows};
 
 /// Status of a trail that passed all tests of findsat_mrt.
 const ACCEPTED: f64 = 2.0;
 /// Beginning of a file of regions that DS9 saved.
 const DS9_HEAD: &str = "# Region file format: DS9";
 /// Columns of the tables of findsat_mrt and of ASTRiDE, in lower case.
-const OF_FINDSAT: [&str; 3] = ["id", "status", "endpoints"];
-const OF_ASTRIDE: [&str; 5] = ["id", "ep1_x", "ep1_y", "ep2_x", "ep2_y"];
+pub(super) const OF_FINDSAT: [&str; 3] = ["id", "status", "endpoints"];
+pub(super) const OF_ASTRIDE: [&str; 5] = ["id", "ep1_x", "ep1_y", "ep2_x", "ep2_y"];
 
 /// Table of streaks as text.
 pub(super) struct StreakText {
@@ -33,6 +34,8 @@ pub(super) struct StreakText {
     pub text: String,
     /// Number of lines before the rows of a FITS table, which has no lines.
     pub lines_before_rows: Option<u64>,
+    /// Errors of rows of detectors that cannot be converted.
+    pub invalid: Vec<Error>,
 }
 
 /// Returns the text of a table of streaks. Tables of detectors and FITS tables are converted.
@@ -48,20 +51,20 @@ pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
         (input::text_of(bytes).map(input::without_mark).map_err(Error::io(path))?, None)
     };
     if is_ds9(&text) {
-        return Ok(StreakText { text: ds9(path, &text)?, lines_before_rows });
+        return Ok(StreakText { text: ds9(path, &text)?, lines_before_rows, invalid: Vec::new() });
     }
     let text = if text.starts_with("#ID ") { separated(path, &text)? } else { text };
-    let failed = Error::io(path);
-    let rows = TableRows::new(text.clone()).and_then(TableRows::in_lower_case).map_err(&failed)?;
+    let rows = TableRows::new(text.clone()).map_err(Error::io(path))?.in_lower_case();
     let has = |columns: &[&'static str]| columns.iter().all(|column| rows.find(column).is_some());
+    let mut invalid = Vec::new();
     let text = if has(&OF_FINDSAT) {
-        findsat(path, rows)?
+        findsat(path, rows, lines_before_rows, &mut invalid)
     } else if has(&OF_ASTRIDE) {
-        astride(path, rows)?
+        astride(path, rows, &mut invalid)
     } else {
         text
     };
-    Ok(StreakText { text, lines_before_rows })
+    Ok(StreakText { text, lines_before_rows, invalid })
 }
 
 /// Returns true for a file of regions: its first line is that of DS9, a coordinate system, `global` or a shape.
@@ -125,7 +128,7 @@ fn at_lines(columns: &str, rows: impl IntoIterator<Item = (u64, String)>) -> Str
     text
 }
 
-/// Returns `streaks.txt` of ASTRiDE, whose cells are separated by blanks, as CSV.
+/// Returns `streaks.txt` of ASTRiDE, whose cells are separated by blanks, as CSV. The number of cells is not checked.
 fn separated(path: &Path, text: &str) -> Result<String, Error> {
     let mut lines = text.lines();
     let first = lines.next().unwrap_or_default().trim_start_matches('#').to_ascii_lowercase();
@@ -136,16 +139,8 @@ fn separated(path: &Path, text: &str) -> Result<String, Error> {
         return Err(Error::invalid(what, "missing", allowed).in_file("", path));
     }
     let mut converted = names.join(",");
-    for (line, number) in lines.zip(2..) {
+    for line in lines {
         let cells: Vec<&str> = line.split_whitespace().collect();
-        if !cells.is_empty() && cells.len() != names.len() {
-            return Err(Error::invalid(
-                "number of cells",
-                cells.len(),
-                format!("{}, as in the first line", names.len()),
-            )
-            .in_line("", path, number));
-        }
         converted.push('\n');
         converted += &cells.join(",").replace('"', " ");
     }
@@ -182,12 +177,11 @@ fn converted(streaks: &[Detected]) -> String {
 
 /// Converts a table of ASTRiDE. Parts of a broken streak, each of which has the `ID` of the next one in the column
 /// `connectivity`, are one streak between the two ends that are farthest apart.
-fn astride(path: &Path, rows: TableRows) -> Result<String, Error> {
+fn astride(path: &Path, rows: TableRows, invalid: &mut Vec<Error>) -> String {
     let columns = OF_ASTRIDE.map(|name| rows.find(name));
     let connectivity = rows.find("connectivity");
     let mut streaks: Vec<(Detected, String)> = Vec::new();
-    for row in rows {
-        let row = row.map_err(Error::io(path))?;
+    for row in valid_rows(path, rows, invalid) {
         let text = |column: Option<Column>| column.map_or_else(String::new, |column| row.text(column).to_owned());
         let [name, ends @ ..] = columns.map(text);
         streaks.push((Detected { line: row.line, name, ends }, text(connectivity)));
@@ -222,7 +216,7 @@ fn astride(path: &Path, rows: TableRows) -> Result<String, Error> {
     }
     let mut whole: Vec<Detected> = joined.into_iter().flatten().collect();
     whole.sort_by_key(|streak| streak.line);
-    Ok(converted(&whole))
+    converted(&whole)
 }
 
 /// Returns the streak between the two ends of its parts that are farthest apart, in the line of the first part.
@@ -244,25 +238,43 @@ fn connected(first: Detected, later: &Detected) -> Detected {
 }
 
 /// Converts the catalog of findsat_mrt, without the trails that failed a test.
-fn findsat(path: &Path, rows: TableRows) -> Result<String, Error> {
+fn findsat(path: &Path, rows: TableRows, lines_before_rows: Option<u64>, invalid: &mut Vec<Error>) -> String {
     let [id, status, endpoints] = OF_FINDSAT.map(|name| rows.find(name));
     let mut streaks = Vec::new();
-    for row in rows {
-        let row = row.map_err(Error::io(path))?;
+    for row in valid_rows(path, rows, invalid) {
         let text = |column: Option<Column>| column.map_or("", |column| row.text(column));
-        if text(status).parse() != Ok(ACCEPTED) {
-            continue;
+        let of_row = |error: Error| RowOrigin::new(path, row.line, lines_before_rows).of(error);
+        match text(status).parse::<f64>() {
+            Ok(status) if status == ACCEPTED => {}
+            Ok(_) => continue,
+            Err(_) => {
+                let allowed = "a number; 2 for a trail that passed all tests";
+                invalid.push(of_row(Error::invalid("status", format!("'{}'", text(status)), allowed)));
+                continue;
+            }
         }
         // `[[x1,y1],[x2,y2]]` in ECSV.
         let numbers = text(endpoints).split(['[', ']', ',', ' ']).filter(|number| !number.is_empty());
         let ends: Vec<String> = numbers.map(str::to_owned).collect();
         let count = ends.len();
-        let Ok(ends) = ends.try_into() else {
-            return Err(Error::invalid("numbers in endpoints", count, "4 in each row").in_file("", path));
-        };
-        streaks.push(Detected { line: row.line, name: text(id).to_owned(), ends });
+        match ends.try_into() {
+            Ok(ends) => streaks.push(Detected { line: row.line, name: text(id).to_owned(), ends }),
+            Err(_) => invalid.push(of_row(Error::invalid("numbers in endpoints", count, "4 in each row"))),
+        }
     }
-    Ok(converted(&streaks))
+    converted(&streaks)
+}
+
+/// Returns the rows that can be read, and adds the errors of the others to `invalid`.
+fn valid_rows(path: &Path, rows: TableRows, invalid: &mut Vec<Error>) -> Vec<TableRow> {
+    let (mut valid, failed) = (Vec::new(), Error::io(path));
+    for row in rows {
+        match row {
+            Ok(row) => valid.push(row),
+            Err(error) => invalid.push(failed(error)),
+        }
+    }
+    valid
 }
 
 /// Returns the first table of a FITS file as ECSV, and the number of lines before its rows.
@@ -309,6 +321,10 @@ mod tests {
     use super::*;
 
     const HEAD: &str = "# Region file format: DS9 version 4.1\nglobal color=green\n";
+
+    fn streak_table(path: &Path) -> StreakTable {
+        StreakTable::read(path, 100, &[], |_| Ok(())).unwrap().0
+    }
 
     #[test]
     fn regions_without_the_line_of_ds9_are_recognised() {
@@ -362,7 +378,7 @@ mod tests {
         let folder = tempfile::TempDir::new().unwrap();
         let path = folder.path().join("a.reg");
         std::fs::write(&path, "image;line(1,2,3,4);line(5,6,7,8)\nicrs\nline(10,-10,11,-11)\n").unwrap();
-        let (table, ()) = StreakTable::read(&path, |_| Ok(())).unwrap();
+        let table = streak_table(&path);
         let ends: Vec<StreakEnds> = table.rows().map(|row| row.ends().unwrap()).collect();
         let [StreakEnds::Pixels(_), StreakEnds::Pixels(second), StreakEnds::Sky(third)] = &ends[..] else {
             panic!("{ends:?}")
@@ -412,14 +428,39 @@ mod tests {
         assert_eq!((rows[7], rows[8], rows[9]), ("1,1,6.5,10,8.25", "", "3,5,2,3,4"));
     }
 
+    /// Rows of detectors that are broken do not stop the others.
+    #[test]
+    fn broken_rows_of_detectors_are_named() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("found.txt");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            let table = streak_table(&path);
+            let ids: Vec<String> = table.rows().map(|row| row.id()).collect();
+            (ids, table.invalid().iter().map(ToString::to_string).collect::<Vec<_>>())
+        };
+        let text = of_astride(&[(1, -1, [1.0, 1.0, 9.0, 9.0]), (2, -1, [20.0, 1.0, 20.0, 9.0])]);
+        let (ids, errors) = read(&text.replacen(" 9.0\n", "\n", 1));
+        assert_eq!(ids, ["2"]);
+        assert!(errors.len() == 1 && errors[0].contains("found.txt: line 2: 7 cells, but 8 columns"), "{errors:?}");
+        let (ids, errors) =
+            read("id,status,endpoints\n1,2,\"[[0,1],[2,3]]\"\n2,2,\"[[0,1],[2]]\"\n3,good,\"[[0,1],[2,3]]\"\n4,1,\n");
+        assert_eq!(ids, ["1"]);
+        assert_eq!(errors.len(), 2, "{errors:?}");
+        assert!(
+            errors[0].ends_with("found.txt: line 3: numbers in endpoints is 3; allowed: 4 in each row"),
+            "{errors:?}"
+        );
+        assert!(errors[1].contains("found.txt: line 4: status is 'good'; allowed: a number"), "{errors:?}");
+    }
+
     /// Rows without a name and without a next part are streaks of their own.
     #[test]
     fn rows_of_astride_without_names_are_not_connected() {
         let folder = tempfile::TempDir::new().unwrap();
         let path = folder.path().join("streaks.csv");
         std::fs::write(&path, "ID,ep1_x,ep1_y,ep2_x,ep2_y\n,1,1,9,9\n,20,1,20,9\n,40,40,1,60\n").unwrap();
-        let (table, ()) = StreakTable::read(&path, |_| Ok(())).unwrap();
-        assert_eq!(table.rows().count(), 3);
+        assert_eq!(streak_table(&path).rows().count(), 3);
     }
 
     /// Units and missing numbers of a FITS table are kept, also with names in capitals, and its rows have numbers.
@@ -443,12 +484,12 @@ mod tests {
             column("dec2", "rad", Cells::Real(vec![0.25, 9.0])),
         ];
         write_table(&path, "STREAKS", &columns, &[]).unwrap();
-        let (table, ()) = StreakTable::read(&path, |_| Ok(())).unwrap();
+        let table = streak_table(&path);
         let rows: Vec<_> = table.rows().collect();
         let StreakEnds::Sky([first, second]) = rows[0].ends().unwrap() else { panic!("ends in pixels") };
         assert!((first.separation_rad(&second) - 0.25).abs() < 1e-9);
         assert_eq!(
-            (rows[0].id(1).as_str(), rows[0].hdu().unwrap(), rows[1].hdu().unwrap()),
+            (rows[0].id().as_str(), rows[0].hdu().unwrap(), rows[1].hdu().unwrap()),
             ("a \"b\", c", Some(0), None)
         );
         let error = rows[1].ends().unwrap_err().to_string();

@@ -1,12 +1,13 @@
 //! Table of streaks that a user or a detector of streaks wrote, one row a streak: the ends of each streak in pixels or on
-//! the sky, and the frame to which it belongs. Upper and lower case of the names of columns are equivalent.
+//! the sky, and the frame to which it belongs. Upper and lower case of the names of columns are equivalent, unless names
+//! differ in nothing else.
 
-use std::fmt::{self, Display};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::pixels::PixelPosition;
-use super::streak_catalogues::{self, StreakText};
+use super::row_origin::RowOrigin;
+use super::streak_catalogues::{self, OF_ASTRIDE, OF_FINDSAT, StreakText};
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 use crate::input::{Column, TableRow, TableRows, comments_warning};
@@ -38,21 +39,13 @@ pub struct Bounded {
     range: [f64; 2],
 }
 
-/// Table of streaks and the number of its line, or of its row in a FITS table.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct RowOrigin {
-    path: PathBuf,
-    number: u64,
-    is_line: bool,
-}
-
 /// Row of a table of streaks. Cells are read with the columns of its [`StreakTable`].
 #[derive(Clone, Debug)]
 pub struct StreakRow<'a> {
     table: &'a StreakTable,
     cells: &'a TableRow,
-    /// Line in the file, from 1.
-    pub line: u64,
+    /// Number of the row in the table, from 1.
+    number: usize,
 }
 
 /// Table of streaks, read completely.
@@ -67,7 +60,12 @@ pub struct StreakTable {
     image: Option<Column>,
     hdu: Option<Column>,
     comments_like_rows: usize,
-    rows: Vec<TableRow>,
+    /// Names of the columns that the caller reads.
+    also: Vec<&'static str>,
+    /// Rows that can be read, with their numbers from 1.
+    rows: Vec<(usize, TableRow)>,
+    /// Errors of rows that cannot be read.
+    invalid: Vec<Error>,
     /// Number of lines before the rows of a FITS table, whose rows have numbers in errors.
     lines_before_rows: Option<u64>,
 }
@@ -136,14 +134,22 @@ static FORM_COLUMNS: [FormColumns; 4] = {
 };
 
 impl StreakTable {
-    /// Reads a table. `also` returns further columns of the rows.
+    /// Reads a table of at most `most` streaks. `further` returns further columns of the rows, which have the names
+    /// `also`.
     ///
     /// # Errors
-    /// The file cannot be read, no form of the ends has all of its columns, or a unit is invalid.
-    pub(crate) fn read<T>(path: &Path, also: impl FnOnce(&TableRows) -> io::Result<T>) -> Result<(Self, T), Error> {
+    /// The file cannot be read, no form of the ends has all of its columns, two columns have the same name, a unit is
+    /// invalid, or there are more streaks.
+    pub(crate) fn read<T>(
+        path: &Path,
+        most: usize,
+        also: &[&'static str],
+        further: impl FnOnce(&TableRows) -> io::Result<T>,
+    ) -> Result<(Self, T), Error> {
         let failed = Error::io(path);
-        let StreakText { text, lines_before_rows } = streak_catalogues::read(path)?;
-        let rows = TableRows::new(text).and_then(TableRows::in_lower_case).map_err(&failed)?;
+        let StreakText { text, lines_before_rows, mut invalid } = streak_catalogues::read(path)?;
+        let mut rows = TableRows::new(text).map_err(&failed)?.in_lower_case();
+        let check = |name: &&'static str| rows.check_unambiguous(name).map_err(&failed);
         let mut forms = Vec::new();
         for (kind, columns) in &FORM_COLUMNS {
             let mut found = Vec::new();
@@ -153,21 +159,49 @@ impl StreakTable {
             forms.extend(<[Bounded; 4]>::try_from(found).ok().map(|columns| Form { kind: *kind, columns }));
         }
         if forms.is_empty() {
+            let of_ends =
+                FORM_COLUMNS.iter().flat_map(|(_, columns)| columns.iter().flat_map(|column| [column.0, column.1]));
+            of_ends.chain(OF_FINDSAT).chain(OF_ASTRIDE).try_for_each(|name| check(&name))?;
             let given = format!("columns {}", listed(rows.names().iter().map(String::as_str)));
             return Err(Error::invalid("table of streaks", given, FORMS).in_file("", path));
         }
         let [id, name, streak, image, hdu] = ["id", "name", "streak", "image", "hdu"].map(|column| rows.find(column));
+        let names_of_streaks: &[&str] = if id.is_some() { &[] } else { &["id", "name"] };
+        names_of_streaks.iter().chain(&["streak", "image", "hdu"]).chain(also).try_for_each(check)?;
         let id = id.or(name);
-        let more = also(&rows).map_err(&failed)?;
+        let more = further(&rows).map_err(&failed)?;
         let (names, comments_like_rows) = (rows.names().to_vec(), rows.comments_like_rows);
-        let rows = rows.collect::<io::Result<Vec<_>>>().map_err(&failed)?;
-        let path = path.to_owned();
-        Ok((Self { path, names, forms, id, streak, image, hdu, comments_like_rows, rows, lines_before_rows }, more))
+        let mut read = Vec::new();
+        for (row, number) in rows.by_ref().zip(1..) {
+            match row {
+                Ok(row) => read.push((number, row)),
+                Err(error) => invalid.push(failed(error)),
+            }
+            if number > most {
+                let allowed = format!("1 to {most}");
+                return Err(Error::invalid("number of streaks", format!("above {most}"), allowed).in_file("", path));
+            }
+        }
+        let (path, rows, also) = (path.to_owned(), read, also.to_vec());
+        let table = Self {
+            path,
+            names,
+            forms,
+            id,
+            streak,
+            image,
+            hdu,
+            comments_like_rows,
+            also,
+            rows,
+            invalid,
+            lines_before_rows,
+        };
+        Ok((table, more))
     }
 
     /// Returns remarks about the columns: which group gives the ends if there are several, and which columns are not used.
-    /// `also` are the names that the caller reads.
-    pub(crate) fn remarks(&self, also: &[&str]) -> Vec<String> {
+    pub(crate) fn remarks(&self) -> Vec<String> {
         let path = self.path.display();
         let groups: Vec<String> =
             self.forms.iter().map(|form| form.columns.map(|column| column.name).join(", ")).collect();
@@ -176,8 +210,11 @@ impl StreakTable {
         });
         let of_ends =
             FORM_COLUMNS.iter().flat_map(|(_, columns)| columns.iter().flat_map(|column| [column.0, column.1]));
-        let known: Vec<&str> =
-            ["id", "streak", "name", "image", "hdu"].into_iter().chain(of_ends).chain(also.iter().copied()).collect();
+        let known: Vec<&str> = ["id", "streak", "name", "image", "hdu"]
+            .into_iter()
+            .chain(of_ends)
+            .chain(self.also.iter().copied())
+            .collect();
         // A column may have another unit than the one in the known name.
         let stem = |name: &str| name.rsplit_once('_').map(|(stem, _)| stem.to_owned());
         let is_known = |name: &str| {
@@ -189,9 +226,14 @@ impl StreakTable {
         several.into_iter().chain(unused).chain(comments).collect()
     }
 
-    /// Returns the rows.
+    /// Returns the errors of rows that cannot be read, such as those of another number of cells.
+    pub fn invalid(&self) -> &[Error] {
+        &self.invalid
+    }
+
+    /// Returns the rows that can be read.
     pub fn rows(&self) -> impl Iterator<Item = StreakRow<'_>> {
-        self.rows.iter().map(|cells| StreakRow { table: self, cells, line: cells.line })
+        self.rows.iter().map(|(number, cells)| StreakRow { table: self, cells, number: *number })
     }
 }
 
@@ -212,20 +254,6 @@ impl Bounded {
     }
 }
 
-impl RowOrigin {
-    /// Puts the table and the row before the message of an error.
-    pub(crate) fn of(&self, error: Error) -> Error {
-        error.located(self, &self.path, self.is_line.then_some(self.number as usize))
-    }
-}
-
-impl Display for RowOrigin {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let what = if self.is_line { "line" } else { "row" };
-        write!(formatter, "{}: {what} {}", self.path.display(), self.number)
-    }
-}
-
 impl StreakRow<'_> {
     /// Returns the text of a cell; empty if the column is missing.
     pub(crate) fn text(&self, column: Option<Column>) -> &str {
@@ -234,11 +262,7 @@ impl StreakRow<'_> {
 
     /// Returns the table and the line, or the row of a FITS table, for errors.
     pub(crate) fn origin(&self) -> RowOrigin {
-        let path = self.table.path.clone();
-        match self.table.lines_before_rows {
-            None => RowOrigin { path, number: self.line, is_line: true },
-            Some(before) => RowOrigin { path, number: self.line - before, is_line: false },
-        }
+        RowOrigin::new(&self.table.path, self.cells.line, self.table.lines_before_rows)
     }
 
     /// Returns the error of an invalid cell, with file, line and column.
@@ -281,9 +305,9 @@ impl StreakRow<'_> {
 
     /// Returns the name of the streak: the cell `id`, or `name` in a table without this column, or the number of the
     /// row from 1 if it and the cell `streak` are empty.
-    pub fn id(&self, number: usize) -> String {
+    pub fn id(&self) -> String {
         let names = [self.table.id, self.table.streak].map(|column| self.text(column));
-        names.into_iter().find(|name| !name.is_empty()).map_or_else(|| number.to_string(), str::to_owned)
+        names.into_iter().find(|name| !name.is_empty()).map_or_else(|| self.number.to_string(), str::to_owned)
     }
 
     /// Returns the name of the file to which the row belongs; `None` for all.

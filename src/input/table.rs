@@ -186,14 +186,35 @@ impl TableRows {
         Ok(Self { rows, names, units, comments, comments_like_rows, count: 0 })
     }
 
-    /// Writes the names of the columns in lower case.
+    /// Writes the names of the columns in lower case. If several names differ only in upper and lower case, they are
+    /// kept: the column is the one in lower case, or else it is ambiguous ([`TableRows::check_unambiguous`]).
+    pub fn in_lower_case(self) -> Self {
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        for name in self.names.iter() {
+            *counts.entry(name.to_ascii_lowercase()).or_default() += 1;
+        }
+        let renamed = |name: &str| {
+            let lower = name.to_ascii_lowercase();
+            if counts[&lower] > 1 { name.to_owned() } else { lower }
+        };
+        let names = self.names.iter().map(|name| renamed(name)).collect();
+        let units = self.units.iter().map(|(name, unit)| (renamed(name), unit.clone())).collect();
+        Self { names, units, ..self }
+    }
+
+    /// Checks that not several columns have this name in other upper and lower case, and none in this one.
     ///
     /// # Errors
-    /// Two columns then have the same name.
-    pub fn in_lower_case(self) -> io::Result<Self> {
-        let names = unique(self.names.iter().map(|name| name.to_ascii_lowercase()).collect())?.into();
-        let units = self.units.into_iter().map(|(name, unit)| (name.to_ascii_lowercase(), unit)).collect();
-        Ok(Self { names, units, ..self })
+    /// There are several; the message has their names.
+    pub fn check_unambiguous(&self, name: &str) -> io::Result<()> {
+        let mut alike = self.names.iter().filter(|own| own.eq_ignore_ascii_case(name));
+        match (alike.next(), alike.next()) {
+            (Some(first), Some(other)) if !self.names.iter().any(|own| own == name) => {
+                let [first, other] = [first, other].map(Quoted::new);
+                Err(invalid(format!("columns {first} and {other} have the same name; allowed: one of them, or {name}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Returns the names of all columns.

@@ -10,7 +10,7 @@ use super::streak::LEAST_LENGTH_PIX;
 use crate::elements::NoradId;
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
-use crate::images::{PixelPosition, StreakEnds, StreakTable};
+use crate::images::{PixelPosition, RowOrigin, StreakEnds, StreakRow, StreakTable};
 use crate::photometry::SIZE_SIGMA;
 use crate::streaks::{
     GivenColumns, GivenStreak, GivenWidth, PathNode, SkyTrack, StreakPath, TargetChip, TargetFrame, Tracking,
@@ -34,7 +34,7 @@ pub struct ListedStreak {
     /// File of the frame as in the table; `None` for all frames.
     pub image: Option<String>,
     /// Table and line, for errors.
-    pub origin: String,
+    pub(crate) origin: RowOrigin,
     /// Ends, times and width; `None` for a row without ends.
     pub given: Option<GivenStreak>,
     /// Satellite of the streak, from the columns `norad_id` and `name`, or from its identification.
@@ -50,6 +50,8 @@ pub struct StreakList {
     pub streaks: Vec<ListedStreak>,
     /// Remarks about the columns.
     pub remarks: Vec<String>,
+    /// Errors of rows that cannot be read.
+    pub invalid: Vec<Error>,
 }
 
 /// Streak of a table on one chip, with its measurement.
@@ -74,16 +76,14 @@ impl StreakList {
     /// regions of DS9.
     ///
     /// # Errors
-    /// The table cannot be read, or a cell is invalid.
+    /// The table cannot be read.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let (table, (columns, id, name, norad_id)) = StreakTable::read(path, |rows| {
+        let names = [&GivenColumns::NAMES[..], &["name", "norad_id"]].concat();
+        let (table, (columns, id, name, norad_id)) = StreakTable::read(path, MOST_STREAKS, &names, |rows| {
             Ok((GivenColumns::find(rows)?, rows.find("id"), rows.find("name"), rows.find("norad_id")))
         })?;
-        let mut streaks = Vec::new();
-        for (row, number) in table.rows().zip(1..) {
-            if number > MOST_STREAKS {
-                return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
-            }
+        let (mut streaks, mut invalid) = (Vec::new(), table.invalid().to_vec());
+        let read = |row: &StreakRow<'_>| -> Result<ListedStreak, Error> {
             let norad_id = match row.text(norad_id) {
                 "" => None,
                 text => Some(NoradId(text.parse().map_err(|_| row.invalid("norad_id", text, "a catalogue number"))?)),
@@ -91,17 +91,22 @@ impl StreakList {
             // Without a column `id` and without a catalogue number, `name` is the name of the streak.
             let is_satellite = norad_id.is_some() || id.is_some();
             let name: Arc<str> = if is_satellite { row.text(name).into() } else { "".into() };
-            streaks.push(ListedStreak {
-                id: row.id(number),
+            Ok(ListedStreak {
+                id: row.id(),
                 image: row.image().map(str::to_owned),
-                origin: row.origin().to_string(),
-                given: row.has_ends().then(|| GivenStreak::of_row(&row, number, &columns)).transpose()?,
+                origin: row.origin(),
+                given: row.has_ends().then(|| GivenStreak::of_row(row, &columns)).transpose()?,
                 satellite: KnownSatellite { norad_id, name, ..KnownSatellite::default() },
                 probability: None,
-            });
+            })
+        };
+        for row in table.rows() {
+            match read(&row) {
+                Ok(streak) => streaks.push(streak),
+                Err(error) => invalid.push(error),
+            }
         }
-        let names = [&GivenColumns::NAMES[..], &["name", "norad_id"]].concat();
-        Ok(Self { streaks, remarks: table.remarks(&names) })
+        Ok(Self { streaks, remarks: table.remarks(), invalid })
     }
 }
 
@@ -126,35 +131,49 @@ fn hdus(frame: &TargetFrame) -> Vec<usize> {
 /// Measures streaks of a table in a frame. A streak has at least one row: one for each chip that it reaches, or one with
 /// the reason why it is not measured.
 ///
-/// `place_sigma_arcsec` is the position error (one sigma) of the ends; three pixels if it is `None`.
+/// `place_sigma_arcsec` is the position error (one sigma) of the ends; three pixels if it is `None`. A streak with an HDU
+/// or a time that is not of the frame has no row; `invalid` gets its error.
 ///
 /// # Errors
-/// Pixels cannot be read, an HDU or a time of a row is not of the frame, or the image of a star cannot be drawn.
+/// Pixels cannot be read, or the image of a star cannot be drawn.
 pub fn measure_listed(
     frame: &TargetFrame,
     streaks: &[ListedStreak],
     place_sigma_arcsec: Option<f64>,
     options: &FrameOptions<'_>,
+    invalid: &mut Vec<Error>,
     watch: &Watch,
 ) -> Result<(Vec<ListedMeasurement>, FrameMeasurements), Error> {
     let mut predicted: Vec<Prediction> = Vec::new();
     // Index of the streak of each prediction, and the reasons why others have none.
-    let (mut owners, mut reasons) = (Vec::new(), vec![Flag::Outside; streaks.len()]);
+    let (mut owners, mut reasons) = (Vec::new(), vec![Some(Flag::Outside); streaks.len()]);
     for (index, streak) in streaks.iter().enumerate() {
         let Some(given) = &streak.given else {
-            reasons[index] = Flag::NoEnds;
+            reasons[index] = Some(Flag::NoEnds);
             continue;
         };
-        let chip = given.chip_index(&hdus(frame), frame.file.path())?;
-        for number in chip.map_or(0..frame.chips.len(), |chip| chip..chip + 1) {
-            match placed(streak, given, frame, number, place_sigma_arcsec, options)? {
+        let on_chips = given.chip_index(&hdus(frame), frame.file.path()).and_then(|chip| {
+            let chips = chip.map_or(0..frame.chips.len(), |chip| chip..chip + 1);
+            let on_chip = |number| placed(streak, given, frame, number, place_sigma_arcsec, options);
+            chips.map(on_chip).collect::<Result<Vec<_>, Error>>()
+        });
+        let on_chips = match on_chips {
+            Ok(on_chips) => on_chips,
+            Err(error) => {
+                invalid.push(streak.origin.of(error));
+                reasons[index] = None;
+                continue;
+            }
+        };
+        for on_chip in on_chips {
+            match on_chip {
                 Ok(placed) => {
                     predicted.push(placed);
                     owners.push(index);
                     // A streak in the frame that has no measurement is on pixels without values.
-                    reasons[index] = Flag::Masked;
+                    reasons[index] = Some(Flag::Masked);
                 }
-                Err(reason) if reasons[index] == Flag::Outside => reasons[index] = reason,
+                Err(reason) if reasons[index] == Some(Flag::Outside) => reasons[index] = Some(reason),
                 Err(_) => {}
             }
         }
@@ -183,7 +202,7 @@ pub fn measure_listed(
         rows[owner].push(row(&streaks[owner], Some(pass.hdu), Ok(Box::new(pass))));
     }
     for ((streak, rows), reason) in streaks.iter().zip(&mut rows).zip(reasons) {
-        if rows.is_empty() {
+        if let Some(reason) = reason.filter(|_| rows.is_empty()) {
             let hdu = match (&streak.given, &frame.chips[..]) {
                 (Some(given), _) if given.hdu.is_some() => given.hdu,
                 (_, [only]) => Some(only.chip.hdu),

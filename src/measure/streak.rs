@@ -3,12 +3,13 @@
 use super::band::Band;
 use super::corridor::Corridor;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
+use super::hidden_light::{edge_and_hidden_shares, least_usable_beside};
 use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 use super::noise::{CONTROLS_A_SIDE, REFINED_FROM, background_sigma, controls, offset_sigma, without_fit_bias};
 use super::search::{Extent, Found, Search, least_usable_share, search};
 use super::stars::{mask_stars, without_streak};
 use crate::error::Error;
-use crate::images::{LightArea, PixelPosition};
+use crate::images::PixelPosition;
 use crate::math::quantile::median;
 use crate::streaks::{Optics, PathNode, RadialProfile, StreakPath, draw};
 
@@ -23,12 +24,6 @@ const LEAST_BLOCK_PIX: f64 = 32.0;
 /// Distance of the first control fits from the streak, and distance between neighbouring control fits, FWHM.
 const FIRST_CONTROL_WIDTHS: f64 = 4.0;
 const CONTROL_STEP_WIDTHS: f64 = 0.75;
-/// Width of a streak, pixels, below which the steps of the search are too coarse: offset and tilt then start at the best position
-/// of a finer grid of this half width (pixels, at the middle and at the ends) and of these steps (FWHM).
-const NARROW_PIX: f64 = 1.6;
-const GRID_PIX: f64 = 1.0;
-const GRID_WIDTHS: f64 = 0.4;
-const LEAST_WIDTH_PIX: f64 = 0.8;
 /// Number of iterations of mask, offset and angle.
 const ITERATIONS: usize = 6;
 /// Smallest signal to noise at which the width is measured.
@@ -272,9 +267,7 @@ impl Measuring<'_> {
         let band = Band::read(self.image.plane, self.image.light_area, corridor, [found.minor_pix, found.slope], half);
         let mut blocks = Blocks::new(band.len(), block, half_width);
 
-        if self.profile.fwhm_pix() < NARROW_PIX {
-            shift = self.best_of_grid(&band, &blocks, extent, &shift)?;
-        }
+        shift = self.best_if_narrow(&band, &blocks, extent, &shift)?;
         let Some(mut drawn) = self.drawn(&band, &shift)? else { return Ok(None) };
         let mut stars = mask_stars(&band, &drawn.template, &blocks, fwhm, true);
         blocks.weigh(&band, &stars.mask, &drawn.template);
@@ -382,8 +375,8 @@ impl Measuring<'_> {
         if options.neighbour_pix.is_some_and(|pix| pix < FIT_WIDTHS * self.profile.fwhm_pix()) {
             flags.push(Flag::Blended);
         }
-        let (edge, masked) =
-            shares(&band, &stars.mask, &drawn.template, self.image.light_area, (fwhm / cos).ceil() as usize);
+        let margin = (fwhm / cos).ceil() as usize;
+        let (edge, masked) = edge_and_hidden_shares(&band, &stars.mask, &drawn.template, self.image.light_area, margin);
         if edge > EDGE_SHARE {
             flags.push(Flag::Edge);
         }
@@ -435,36 +428,6 @@ impl Measuring<'_> {
             flags,
             corridor_pix: extent.across_pix,
         }))
-    }
-
-    /// Returns the shift of a fine grid of offsets and tilts around a shift with the most significant light, of which stars are
-    /// masked.
-    fn best_of_grid(&self, band: &Band, blocks: &Blocks, extent: &Extent, shift: &Shift) -> Result<Shift, Error> {
-        let Some(drawn) = self.drawn(band, shift)? else { return Ok(*shift) };
-        let fwhm = self.profile.fwhm_pix();
-        let stars = mask_stars(band, &drawn.template, blocks, fwhm.max(1.0), true);
-        let half_length_pix = 0.5 * band.len() as f64 / band.cos;
-        // A streak has light in at least one pixel, however narrow it is.
-        let count = (GRID_PIX / (GRID_WIDTHS * fwhm.max(LEAST_WIDTH_PIX))).ceil() as i32;
-        let pix = |step: i32| f64::from(step) * GRID_PIX / f64::from(count);
-        let (mut best, mut most) = (*shift, 0.0);
-        for (across, turn) in (-count..=count).flat_map(|across| (-count..=count).map(move |turn| (across, turn))) {
-            let offset_pix = shift.offset_pix + pix(across);
-            let tilt_rad = shift.tilt_rad + pix(turn) / half_length_pix;
-            let moved = Shift { offset_pix, tilt_rad, ..*shift };
-            // Towards a neighbour the light is that of the neighbour.
-            if offset_pix.abs() > extent.to_neighbour_pix {
-                continue;
-            }
-            let Some(drawn) = self.drawn(band, &moved)? else { continue };
-            let fits = fit_blocks(band, &band.values, &stars.mask, &drawn.template, 0, blocks);
-            // A √(Σ m'²)
-            let light = combined(&fits).map_or(0.0, |amplitude| amplitude.value * amplitude.weight.sqrt());
-            if light > most {
-                (best, most) = (moved, light);
-            }
-        }
-        Ok(best)
     }
 
     /// Improves offset and tilt by one Gauss-Newton step. Returns the change of the offset or the shift of the ends by
@@ -537,75 +500,6 @@ impl Measuring<'_> {
         Ok(combined(&fits).map(|amplitude| amplitude.squares))
     }
 
-    /// Returns the error (one sigma) of the amplitude that the error of the satellite's size causes: half of the
-    /// difference of the amplitudes with the size one sigma larger and one sigma smaller. If the width is fitted, it stays
-    /// the same: a smaller size is compensated by a wider seeing.
-    fn size_sigma(
-        &mut self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        shift: &Shift,
-        options: &MeasureOptions,
-    ) -> Result<f64, Error> {
-        let PredictedStreak { range_km, radius_m, radius_sigma_m, .. } = *self.predicted;
-        if radius_sigma_m <= 0.0 {
-            return Ok(0.0);
-        }
-        let (given, width_pix) = (self.profile.clone(), self.profile.fwhm_pix());
-        let (scale_arcsec, aspect) = (self.image.pixel_scale_arcsec, self.image.pixel_aspect);
-        let mut amplitudes = Vec::new();
-        for radius_m in [(radius_m - radius_sigma_m).max(0.0), radius_m + radius_sigma_m] {
-            let mut optics = self.optics;
-            let profile = |optics: &Optics| optics.profile(range_km, radius_m, scale_arcsec, aspect);
-            let Ok(mut other) = profile(&optics) else { continue };
-            if options.fit_width {
-                // The squares of the widths of seeing, defocus and size add up approximately, so two steps suffice.
-                for _ in 0..2 {
-                    let squares = optics.seeing_arcsec.powi(2)
-                        + (width_pix.powi(2) - other.fwhm_pix().powi(2)) * scale_arcsec * scale_arcsec;
-                    optics.seeing_arcsec = squares.max(0.04 * optics.seeing_arcsec.powi(2)).sqrt();
-                    let Ok(next) = profile(&optics) else { break };
-                    other = next;
-                }
-            }
-            self.profile = other;
-            if let Some(drawn) = self.drawn(band, shift)? {
-                let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
-                amplitudes.extend(combined(&fits).map(|amplitude| amplitude.value));
-            }
-        }
-        self.profile = given;
-        Ok(match amplitudes[..] {
-            [smaller, larger] => 0.5 * (larger - smaller).abs(),
-            _ => 0.0,
-        })
-    }
-
-    /// Returns the variance of the amplitude due to the photons of the streak: Σ w² m² A m / g / (Σ w m²)² with the
-    /// weights w of the blocks. `None` without gain.
-    fn photon_variance(
-        &self,
-        band: &Band,
-        mask: &[bool],
-        template: &[f32],
-        blocks: &Blocks,
-        amplitude: f64,
-    ) -> Option<f64> {
-        let gain = self.image.electrons_per_unit?;
-        let (mut squares, mut cubes) = (0.0, 0.0);
-        for (columns, weight) in blocks.weighted() {
-            for at in columns.start * band.height..columns.end * band.height {
-                if !mask[at] && band.values[at].is_finite() {
-                    let light = f64::from(template[at]);
-                    squares += weight * light * light;
-                    cubes += weight * weight * light * light * light;
-                }
-            }
-        }
-        Some(if squares > 0.0 { amplitude.max(0.0) * cubes / (gain * squares * squares) } else { 0.0 })
-    }
-
     /// Returns the noise of a pixel of the sky along the track that a companion plane states, and its ratio to the scatter
     /// of the sky.
     fn stated_noise(&self) -> Option<(f64, f64)> {
@@ -639,52 +533,4 @@ fn is_spread(fits: &[BlockFit], amplitude: &Amplitude, sigma: f64, threshold: f6
     let blocks: Vec<f64> =
         fits.iter().filter(|fit| fit.weight > 0.3 * mean_weight).filter_map(BlockFit::amplitude).collect();
     blocks.len() < LEAST_BLOCKS || median(blocks) > MEDIAN_SHARE * threshold * sigma
-}
-
-/// Returns the smallest share of a streak's light on pixels with a value, for streaks up to `reach` pixels beside the drawn one;
-/// pixels outside the illuminated area do not count.
-fn least_usable_beside(band: &Band, template: &[f32], light_area: &LightArea, reach: isize) -> f64 {
-    let share = |shift: isize| {
-        let (mut all, mut light, mut usable) = (0.0, 0.0, 0.0);
-        for (at, weight) in template.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
-            let (column, offset) = (at / band.height, (at % band.height) as isize + shift);
-            all += f64::from(*weight);
-            let Ok(offset) = usize::try_from(offset) else { continue };
-            if offset >= band.height || !light_area.contains(band.pixel(column, offset)) {
-                continue;
-            }
-            light += f64::from(*weight);
-            if band.values[column * band.height + offset].is_finite() {
-                usable += f64::from(*weight);
-            }
-        }
-        // A streak whose middle is outside of the image cannot be seen, whether or not its wings are masked.
-        if 2.0 * light > all { usable / light } else { 1.0 }
-    };
-    (-reach..=reach).map(share).fold(1.0, f64::min)
-}
-
-/// Returns the fraction of the streak's length at which a pixel `margin` pixels from its middle, on either side, is
-/// outside the illuminated area, and the fraction of its light that is masked or without a value.
-fn shares(band: &Band, mask: &[bool], template: &[f32], light_area: &LightArea, margin: usize) -> (f64, f64) {
-    let (mut lit, mut edge, mut light, mut hidden) = (0.0, 0.0, 0.0, 0.0);
-    for (column, weights) in template.chunks_exact(band.height).enumerate() {
-        if weights.iter().all(|weight| *weight <= 0.0) {
-            continue;
-        }
-        lit += 1.0;
-        let is_outside = |offset: usize| {
-            let at = band.pixel(column, offset);
-            !light_area.contains(at)
-        };
-        edge += f64::from(u8::from(is_outside(band.half() - margin) || is_outside(band.half() + margin)));
-        let start = column * band.height;
-        for (offset, weight) in weights.iter().enumerate() {
-            light += f64::from(*weight);
-            if mask[start + offset] || band.values[start + offset].is_nan() {
-                hidden += f64::from(*weight);
-            }
-        }
-    }
-    (if lit > 0.0 { edge / lit } else { 1.0 }, if light > 0.0 { hidden / light } else { 1.0 })
 }

@@ -1,5 +1,5 @@
 //! Files that are written completely or not at all. The data go to a temporary file in the folder of the target, which
-//! is renamed at the end.
+//! is renamed at the end. A missing folder is created when its first file is begun.
 //!
 //! A program that ends at a signal removes its temporary files with [`remove_unfinished`]. Those of a process that was
 //! killed are removed by the next process that writes into the folder (`abandoned`).
@@ -136,24 +136,23 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Creates the temporary file in the folder of `target`. If `target` is a symbolic link, the file it points to is
+    /// Creates the temporary file in the folder of `target`, and this folder if it is missing. If `target` is a symbolic link, the file it points to is
     /// replaced, and the link is kept. The new file gets the permissions of the file that it replaces and, where the
     /// system allows it, owner and group; otherwise the permissions that the umask leaves. Other hard links to the
     /// replaced file keep its old content.
     ///
     /// # Errors
-    /// The folder is missing or not writable; the target is a directory, a pipe or a device; or symbolic links form a
-    /// circle.
+    /// The folder cannot be created or is not writable; the target is a directory, a pipe or a device; or symbolic links
+    /// form a circle.
     pub fn new(target: &Path) -> io::Result<Self> {
-        let target = behind_links(target)?;
-        if target.is_dir() {
-            return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory; allowed: the name of a file"));
-        }
-        if is_special(&target) {
-            let reason = "is a pipe, a terminal or a device, which cannot be replaced; allowed: the name of a file";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
-        }
-        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let target = replaceable(target)?;
+        let folder = folder_of(&target).to_owned();
+        create_folder(&folder)?;
+        Self::begin(target, &folder)
+    }
+
+    /// Creates the temporary file in `folder`.
+    fn begin(target: PathBuf, folder: &Path) -> io::Result<Self> {
         remove_abandoned(folder);
         let mut builder = builder();
         // By default temporary files are readable only by their owner. A new file gets the usual permissions, and one
@@ -174,12 +173,16 @@ impl AtomicFile {
         Err(folder_error(folder, &busy()))
     }
 
-    /// Checks that a file can be created at `target`, for use before a long computation.
+    /// Checks that a file can be created at `target`, for use before a long computation. Nothing is created: in place of a
+    /// missing folder the one in which it would be created is checked.
     ///
     /// # Errors
     /// Same as [`new`](AtomicFile::new).
     pub fn check(target: &Path) -> io::Result<()> {
-        Self::new(target).map(drop)
+        let target = replaceable(target)?;
+        let folder = folder_of(&target).to_owned();
+        let existing = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
+        Self::begin(target, existing).map(drop)
     }
 
     /// Returns the temporary file, open for writing.
@@ -248,6 +251,17 @@ pub struct ScratchFolder {
 }
 
 impl ScratchFolder {
+    /// Creates the folder beside an output, whose folder is created if it is missing.
+    ///
+    /// # Errors
+    /// The folder of the output cannot be created or is not writable.
+    #[cfg(all(feature = "fits", unix))]
+    pub fn beside(output: &Path) -> io::Result<Self> {
+        let parent = folder_of(output);
+        create_folder(parent)?;
+        Self::new(parent)
+    }
+
     /// Creates the folder in `parent`.
     ///
     /// # Errors
@@ -282,6 +296,32 @@ fn busy() -> io::Error {
     io::Error::other("another process locks or removes each new temporary file")
 }
 
+/// Returns the folder of a file.
+fn folder_of(target: &Path) -> &Path {
+    target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Creates the folder of an output if it is missing.
+fn create_folder(folder: &Path) -> io::Result<()> {
+    std::fs::create_dir_all(folder).map_err(|error| folder_error(folder, &error))
+}
+
+/// Returns the file behind the symbolic links of `target`.
+///
+/// # Errors
+/// It is a directory, a pipe or a device, or the links form a circle.
+fn replaceable(target: &Path) -> io::Result<PathBuf> {
+    let target = behind_links(target)?;
+    if target.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory; allowed: the name of a file"));
+    }
+    if is_special(&target) {
+        let reason = "is a pipe, a terminal or a device, which cannot be replaced; allowed: the name of a file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
+    }
+    Ok(target)
+}
+
 /// Returns the error with the name of the folder in place of the name of the temporary file, which the user does not
 /// know.
 fn folder_error(folder: &Path, error: &io::Error) -> io::Error {
@@ -293,7 +333,7 @@ fn folder_error(folder: &Path, error: &io::Error) -> io::Error {
 /// Checks that [`write_atomically`] can write to `target`, for use before a long computation.
 ///
 /// # Errors
-/// The folder is missing or not writable, or the target is a directory.
+/// The folder cannot be created or is not writable, or the target is a directory.
 pub fn check_target(target: &Path) -> io::Result<()> {
     if is_special(target) { Ok(()) } else { AtomicFile::check(target) }
 }
@@ -494,15 +534,31 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_is_missing_is_named_and_not_the_temporary_file() {
+    fn missing_folders_are_created_when_a_file_is_written_and_not_by_a_check() {
         let folder = tempfile::tempdir().unwrap();
-        let missing = folder.path().join("missing");
-        let error = check_target(&missing.join("out.csv")).unwrap_err();
-        let text = error.to_string();
-        assert_eq!(error.kind(), io::ErrorKind::NotFound);
-        assert!(text.starts_with(&format!("folder {}: No such file", missing.display())), "{text}");
-        assert!(!text.contains(".part"), "{text}");
+        let target = folder.path().join("new/below/out.csv");
+        check_target(&target).unwrap();
         check_target(&folder.path().join("out.csv")).unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        write_atomically(&target, |out| out.write_all(b"words")).unwrap();
+        assert_eq!(std::fs::read(&target).unwrap(), b"words");
+        // A relative path without a folder.
+        check_target(Path::new("streakcast-new-folder/out.csv")).unwrap();
+        assert!(!Path::new("streakcast-new-folder").exists());
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_created_is_named_and_not_the_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "").unwrap();
+        for target in [file.join("out.csv"), file.join("new/out.csv")] {
+            let errors = [check_target(&target).unwrap_err(), AtomicFile::new(&target).unwrap_err()];
+            for text in errors.map(|error| error.to_string()) {
+                assert!(text.starts_with(&format!("folder {}", file.display())), "{text}");
+                assert!(!text.contains(".part"), "{text}");
+            }
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

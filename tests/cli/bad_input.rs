@@ -387,12 +387,12 @@ fn a_failure_leaves_no_new_file_and_keeps_the_old_one() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     fails(&[POINTING, SITE, SHELLS, &["-o", &folder.path().display().to_string()]], &["is a directory"]);
     fails(
-        &[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]],
-        &["cannot write /nowhere/at/all.csv: folder /nowhere/at: No such file"],
+        &[POINTING, SITE, SHELLS, &["-o", "/dev/null/at/all.csv"]],
+        &["cannot write /dev/null/at/all.csv: folder /dev/null"],
     );
     // The output folder is checked before the schedule is read.
-    fails(&[&flag("/nowhere.csv"), &["-o", "/nowhere/at/all.csv"]], &["cannot write /nowhere/at/all.csv"]);
-    let (_, _, stderr) = run(&[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]]);
+    fails(&[&flag("/nowhere.csv"), &["-o", "/dev/null/at/all.csv"]], &["cannot write /dev/null/at/all.csv"]);
+    let (_, _, stderr) = run(&[POINTING, SITE, SHELLS, &["-o", "/dev/null/at/all.csv"]]);
     assert!(!stderr.contains(".part"), "{stderr}");
 }
 
@@ -557,10 +557,10 @@ fn misspelt_columns_are_suggested_and_other_encodings_named() {
 fn an_unwritable_annotation_is_rejected_before_any_work() {
     let folder = tempfile::tempdir().unwrap();
     // The schedule does not exist either, but the error is that of the output folder.
-    let nowhere = folder.path().join("no/such/out.csv").display().to_string();
+    let below_a_file = file(&folder, "file", b"") + "/out.csv";
     fails(
-        &[&["annotate", "--schedule", "/nowhere.csv", "-o", &nowhere, "--fov", "1deg"], SITE, SHELLS],
-        &["no/such", "cannot"],
+        &[&["annotate", "--schedule", "/nowhere.csv", "-o", &below_a_file, "--fov", "1deg"], SITE, SHELLS],
+        &["file/out.csv", "cannot"],
     );
     let (_, help, _) = run(&[&["annotate", "--help"]]);
     assert!(help.contains("Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV"), "{help}");

@@ -300,7 +300,7 @@ fn exit_codes_and_counters_are_as_documented() {
     fs::write(&status, "{\"counters\": {\"runs\": 3").unwrap();
     let (code, _, record) = gate(&folder, &[POINTING, &["--limit-mag=-20", "--now", NOW]].concat());
     assert_eq!((code, record["counters"]["runs"].as_i64()), (0, Some(1)));
-    let nowhere = &["--limit-mag=-20", "--now", NOW, "--status-file", "/nowhere/at/all.json"];
+    let nowhere = &["--limit-mag=-20", "--now", NOW, "--status-file", "/dev/null/at/all.json"];
     assert_eq!(run(&[GATE, POINTING, nowhere]).0, 0);
     assert_eq!(run(&[GATE, POINTING, nowhere, &["--strict"]]).0, 2);
 }

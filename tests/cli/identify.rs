@@ -310,6 +310,35 @@ fn streaks_of_tables_and_detectors_are_identified() {
     for words in ["streaks without ends are left out: empty, part", "line 5: ", "line 6: "] {
         assert!(error.contains(words), "{words}: {error}");
     }
+    // A cell that is not a number or a number of cells that is wrong leaves out its row, and so does a frame that is missing.
+    // Of columns that differ in upper and lower case only, the one in lower case is used; others do not matter.
+    let text = format!("text,,1,abc,{y1},{x2},{y2},1,2\ncells,1\nmissing,no.fits,1,{x1},{y1},{x2},{y2},1,2\n");
+    let text = format!("id,image,X1_PIX,x1_pix,y1_pix,x2_pix,y2_pix,SNR,snr\n{text}good,,1,{x1},{y1},{x2},{y2},1,2\n");
+    std::fs::write(&table, &text).unwrap();
+    let arguments = ["identify", "--streaks", &table, "--image", &frame, "--top", "1", "--format", "json"];
+    let (code, found, error) = run(&[&arguments, &satellites[..4]]);
+    let answer: Value = serde_json::from_str(&found).unwrap();
+    assert_eq!((code, answer["candidates"][0]["norad_id"].as_f64()), (0, Some(ids[0])), "{error}");
+    let streaks = answer["streaks"].as_array().unwrap();
+    assert_eq!((streaks.len(), &streaks[0]["streak"]), (1, &"good".into()), "{answer}");
+    assert!(streaks[0]["candidates"].as_u64() >= Some(1) && streaks[0]["unknown_probability"].is_number(), "{answer}");
+    for words in [
+        "line 2: x1_pix is 'abc'; allowed: -1000000 to 1000000; the streak is left out",
+        "line 3: 2 cells, but 9 columns",
+        "line 4: image is 'no.fits'; allowed: the name of a given frame, or a file in the folder of the table",
+        "columns that are not used: X1_PIX, SNR, snr",
+    ] {
+        assert!(error.contains(words), "{words}: {error}");
+    }
+    std::fs::write(&table, text.replace("X1_PIX,x1_pix", "X1_PIX,x1_Pix")).unwrap();
+    let (code, _, error) = run(&[&arguments, &satellites]);
+    assert!(
+        code == 2 && error.contains("columns X1_PIX and x1_Pix have the same name; allowed: one of them"),
+        "{error}"
+    );
+    std::fs::write(&table, text.replace("id,image", "id,IMAGE").replace("SNR", "Image")).unwrap();
+    let (code, _, error) = run(&[&arguments, &satellites]);
+    assert!(code == 2 && error.contains("columns IMAGE and Image have the same name"), "{error}");
     // Detectors count pixels from 0. Trails that failed a test of findsat_mrt are left out.
     let [x1, y1, x2, y2] = line(0).map(|coordinate| coordinate - 1.0);
     let (astride, findsat) = (path(&folder, "streaks.txt"), path(&folder, "visit_catalog.fits"));
@@ -358,7 +387,7 @@ fn streaks_of_tables_and_detectors_are_identified() {
         run(&[&["identify", "--streaks", &astride, "--image", &frame, "--format", "csv"], &satellites]);
     assert_eq!((code, records(&table).len()), (1, 1), "{error}");
     for (text, words) in [
-        (format!("{names}\n 7 10.00\n"), "line 2: number of cells is 2; allowed: 16"),
+        (format!("{names}\n 7 10.00\n"), "line 2: 2 cells, but 16 columns"),
         (format!("{names}\n{}\n", cells.replace(&format!("{x1:.2}"), "abc")), "line 2: x1_pix is 'abc'; allowed"),
         ("#ID x_center y_center\n".to_owned(), "column ep1_x of ASTRiDE is missing; allowed"),
         ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4,5\n".to_owned(), "line 2: 5 cells, but 4 columns"),

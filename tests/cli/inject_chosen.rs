@@ -233,7 +233,10 @@ fn verif_invalid_tables_name_file_row_column_and_allowed_values() {
         (format!("{ENDS},magnitude,enter_s,exit_s\n1,2,3,4,9,20,10\n"), "line 2: exit_s is 10 s; allowed: later"),
         (format!("{ENDS},magnitude,light_curve\n1,2,3,4,9,none.csv\n"), "none.csv: light curve:"),
         (format!("{ENDS},peak\n1,2,3,4,-1\n"), "line 2: peak is '-1'; allowed: above 0, at most 1000000000000"),
-        (format!("{ENDS},magnitude,X1_PIX\n1,2,3,4,9,1\n"), "two columns have the name x1_pix; allowed: one"),
+        (
+            format!("{},magnitude\n1,1,2,3,4,9\n", ENDS.replace("x1_pix", "X1_PIX,x1_Pix")),
+            "columns X1_PIX and x1_Pix have the same name; allowed: one of them, or x1_pix",
+        ),
         ("ra1_m,dec1_deg,ra2_deg,dec2_deg,magnitude\n1,2,3,4,9\n".to_owned(), "allowed: x1_pix"),
     ] {
         fs::write(&table, &text).unwrap();

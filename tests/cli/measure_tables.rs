@@ -158,6 +158,33 @@ fn streaks_outside_of_the_frame_have_rows_with_flags() {
         assert_eq!((code, error.trim().lines().count()), (2, 1), "{text}: {error}");
         assert!(error.contains(words), "{text}: {error}");
     }
+    // Invalid rows are named and left out if others can be measured, and so are those of a frame that cannot be read.
+    fs::write(path(&folder, "broken.fits"), "SIMPLE").unwrap();
+    let text =
+        format!("id,image,x1_pix,y1_pix,x2_pix,y2_pix\na,broken.fits,1,2,90,99\nb,{frame},{x1},{y1},{x2},{y2}\n");
+    fs::write(&table, text).unwrap();
+    let (code, found, error) = run(&[&["measure", "--streaks", &table, "--seeing", "1.5arcsec", "--format", "csv"]]);
+    assert_eq!((code, column(&records(&found), "streak")), (0, vec!["b".to_owned()]), "{error}");
+    assert!(error.contains("edge.csv: line 2: ") && error.contains("broken.fits"), "{error}");
+    let (code, _, error) = run(&[&["measure", &path(&folder, "broken.fits"), "--streaks", &table]]);
+    assert!(code == 2 && error.contains("broken.fits"), "{error}");
+    let name = std::path::Path::new(&frame).file_name().unwrap().to_str().unwrap();
+    let text = format!(
+        "id,image,hdu,enter_s,x1_pix,y1_pix,x2_pix,y2_pix\na,none.fits,,,1,2,3,4\nb,,7,,1,2,90,99\nc,,,1,left,2,3,4\n\
+         d,,,99,1,2,90,99\ncells,1\ngood,{name},,,{x1},{y1},{x2},{y2}\nempty,,,,,,,\n"
+    );
+    fs::write(&table, text).unwrap();
+    let words = ["measure", &frame, "--streaks", &table, "--seeing", "1.5arcsec", "--format", "csv"];
+    let (code, found, error) = run(&[&words]);
+    assert_eq!((code, column(&records(&found), "streak")), (0, vec!["good".to_owned(), "empty".to_owned()]), "{error}");
+    for words in [
+        "edge.csv: line 6: 2 cells, but 8 columns",
+        "line 4: x1_pix is 'left'; allowed: -1000000 to 1000000; the streak is left out",
+        "line 2: image is 'none.fits'",
+        "2 more streaks left out",
+    ] {
+        assert!(error.contains(words), "{words}: {error}");
+    }
     fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4\n").unwrap();
     let (code, _, error) = run(&[&["measure", "--streaks", &table, "--quiet"]]);
     assert!(code == 2 && error.contains("line 2: image is missing"), "{error}");
@@ -388,7 +415,7 @@ fn short_and_masked_streaks_are_not_outside() {
     let rows = records(&done(&[&["measure", &there, &here, "--streaks", &own, "--format", "csv", "--quiet"]]));
     assert_eq!(column(&rows, "image"), [here.clone(), here.clone()]);
     let (code, _, error) = run(&[&["measure", &there, &here, "--streaks", &table, "--quiet"]]);
-    assert!(code == 2 && error.contains("image is 'x.fits'; allowed: the name of one FRAME"), "{error}");
+    assert!(code == 2 && error.contains("line 2: image is 'x.fits'; allowed: the name of one frame"), "{error}");
     // An error of the ends far below a pixel is no error of the path.
     let tiny = ["--place-sigma", "1e-9arcsec", "--seeing", "1.5arcsec"];
     fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix\n250,50,290,60\n").unwrap();

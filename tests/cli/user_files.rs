@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use crate::common::cli::{FLAG, SKY, done, is_ignored, path};
+use crate::common::cli::{FLAG, SKY, done, is_ignored, path, run};
 use assert_cmd::Command;
 use tempfile::TempDir;
 
@@ -32,6 +32,26 @@ fn hidden_files_of_the_user_are_kept() {
     names.sort();
     assert_eq!(names, [".streakcast-notes", ".streakcast-policy.toml", token, "out.csv"]);
     assert!(folder.path().join(".streakcast-notes/mine").exists() && folder.path().join(lock).exists());
+}
+
+/// A missing folder of an output is created when the file is written, by all verbs alike.
+#[test]
+fn missing_folders_of_outputs_are_created() {
+    let folder = TempDir::new().unwrap();
+    let schedule = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../examples/night.csv");
+    let new = |name: &str| path(&folder, &format!("new/{name}"));
+    let [flags, annotated, map, picture] = ["a/flags.csv", "b/night.csv", "c/map.csv", "d/map.png"].map(new);
+    done(&[&["flag", "--schedule", schedule, "--fov", "3.5deg", "-o", &flags], SKY]);
+    done(&[&["annotate", "--schedule", schedule, "--fov", "3.5deg", "-o", &annotated], SKY]);
+    let sun = ["--model", "starlink-v1.5", "--sun-altitude-deg", "-16", "--step-deg", "5"];
+    done(&[&["map", "sky", "-o", &map, "--picture", &picture], &sun]);
+    for file in [flags, annotated, map, picture] {
+        assert!(fs::metadata(&file).unwrap().len() > 0, "{file}");
+    }
+    // A run that fails creates none.
+    let failed = new("e/flags.csv");
+    let (code, _, _) = run(&[&["flag", "--schedule", "none.csv", "--fov", "3.5deg", "-o", &failed], SKY]);
+    assert!(code == 2 && !folder.path().join("new/e").exists());
 }
 
 fn pipe(path: &Path) {

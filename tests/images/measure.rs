@@ -11,7 +11,7 @@ use streakcast::images::{LightArea, PixelPosition, Plane};
 use streakcast::measure::{
     Background, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak, streak_cut,
 };
-use streakcast::streaks::{Optics, PathNode, RandomStars, SeeingForm, StreakPath, background, draw};
+use streakcast::streaks::{Optics, PathNode, RadialProfile, RandomStars, SeeingForm, StreakPath, background, draw};
 
 // Required bounds, set before the first run.
 
@@ -174,6 +174,41 @@ fn image_of<'a>(plane: &'a Plane, background: &'a Background, light_area: &'a Li
         saturation: None,
         pixel_scale_arcsec: 1.0,
         pixel_aspect: 1.0,
+    }
+}
+
+/// Draws streaks on a sky with this mean and scatter.
+fn on_noisy_sky(
+    streaks: &[StreakPath],
+    profile: &RadialProfile,
+    [rows, columns]: [usize; 2],
+    [mean, scatter]: [f64; 2],
+    seed: u64,
+) -> Plane {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut plane = Plane::zeros(rows, columns);
+    for path in streaks {
+        draw(path, profile, rows, columns).add_to(&mut plane);
+    }
+    for value in plane.values_mut() {
+        let noise: f64 = StandardNormal.sample(&mut random);
+        *value += (mean + scatter * noise) as f32;
+    }
+    plane
+}
+
+/// Returns the prediction of a point source at 600 km without errors.
+fn point_source(path: StreakPath) -> PredictedStreak {
+    PredictedStreak {
+        path,
+        drift_pix_s: [0.0; 2],
+        lateness_sigma_s: 0.0,
+        largest_delay_s: 0.0,
+        ends_s: None,
+        cross_sigma_pix: 0.0,
+        range_km: 600.0,
+        radius_m: 0.0,
+        radius_sigma_m: 0.0,
     }
 }
 
@@ -606,28 +641,18 @@ fn verif_streaks_beside_the_edge_are_found() {
     let profile = Optics { form: SeeingForm::Gaussian, seeing_arcsec: 3.0, outer_radius_m: 0.0, inner_radius_m: 0.0 };
     let drawn_with = profile.profile(600.0, 0.0, 1.0, 1.0).unwrap();
     for (number, edge_pix) in [2.0, 4.0, 7.0, COLUMNS as f64 - 4.0].into_iter().enumerate() {
-        let (mut plane, light_area) = (Plane::zeros(ROWS, COLUMNS), LightArea::whole(ROWS, COLUMNS));
+        let light_area = LightArea::whole(ROWS, COLUMNS);
         let path = |rate: f64| {
             let ends = [(0.0, 60.0), (EXPOSURE_S, 260.0)];
             let nodes = ends.map(|(time_s, y)| PathNode::new(time_s, PixelPosition { x: edge_pix, y }, rate));
             StreakPath::new(nodes.to_vec()).unwrap()
         };
-        draw(&path(6000.0), &drawn_with, ROWS, COLUMNS).add_to(&mut plane);
-        let mut random = ChaCha8Rng::seed_from_u64(number as u64);
-        for value in plane.values_mut() {
-            let noise: f64 = StandardNormal.sample(&mut random);
-            *value += 1000.0 + 10.0 * noise as f32;
-        }
+        let plane = on_noisy_sky(&[path(6000.0)], &drawn_with, [ROWS, COLUMNS], [1000.0, 10.0], number as u64);
         let predicted = PredictedStreak {
-            path: path(1.0),
-            drift_pix_s: [0.0; 2],
-            lateness_sigma_s: 0.0,
             largest_delay_s: 5.0,
             ends_s: Some([0.0, EXPOSURE_S]),
             cross_sigma_pix: 2.0,
-            range_km: 600.0,
-            radius_m: 0.0,
-            radius_sigma_m: 0.0,
+            ..point_source(path(1.0))
         };
         // Also with a border of two masked columns, as of an amplifier, outside of the light of the streak.
         let mut with_border = plane.clone();
@@ -880,26 +905,14 @@ fn verif_a_bright_streak_beside_another_has_its_flux() {
     let extended = |rate: f64| line([13.0, 226.7, -73.4], [20.0, -57.2, 203.2], rate);
     for seed in 0..4 {
         for has_other in [false, true] {
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let mut plane = Plane::zeros(SIDE, SIDE);
-            let drawn = [Some(extended(RATE)), has_other.then(|| other.clone())];
-            for path in drawn.iter().flatten() {
-                draw(path, &profile, SIDE, SIDE).add_to(&mut plane);
-            }
-            for value in plane.values_mut() {
-                let noise: f64 = StandardNormal.sample(&mut random);
-                *value += (100.0 + 10.0 * noise) as f32;
-            }
+            let drawn: Vec<StreakPath> =
+                [Some(extended(RATE)), has_other.then(|| other.clone())].into_iter().flatten().collect();
+            let plane = on_noisy_sky(&drawn, &profile, [SIDE; 2], [100.0, 10.0], seed);
             let predicted = PredictedStreak {
-                path: extended(1.0),
-                drift_pix_s: [0.0; 2],
                 lateness_sigma_s: 0.6,
                 largest_delay_s: 5.0,
-                ends_s: None,
                 cross_sigma_pix: 0.5,
-                range_km: 600.0,
-                radius_m: 0.0,
-                radius_sigma_m: 0.0,
+                ..point_source(extended(1.0))
             };
             let light_area = LightArea::whole(SIDE, SIDE);
             let measured = measure(&plane, &light_area, &predicted, &optics, &options()).unwrap();
@@ -927,28 +940,12 @@ fn given_streaks_beside_each_other_do_not_take_the_same_light() {
         StreakPath::new([-beyond, 10.0 + beyond].map(node).to_vec()).unwrap()
     };
     for (apart, cross_sigma_pix) in [(16.0, 0.5), (16.0, 3.0), (24.0, 3.0), (60.0, 3.0)] {
-        let mut random = ChaCha8Rng::seed_from_u64(3);
-        let mut plane = Plane::zeros(SIDE, SIDE);
         let places = [150.0, 150.0 + apart];
+        let drawn: Vec<StreakPath> = places.iter().zip(RATES).map(|(y, rate)| line(*y, 0.0, rate)).collect();
+        let plane = on_noisy_sky(&drawn, &profile, [SIDE; 2], [800.0, 20.0], 3);
         for (y, rate) in places.iter().zip(RATES) {
-            draw(&line(*y, 0.0, rate), &profile, SIDE, SIDE).add_to(&mut plane);
-        }
-        for value in plane.values_mut() {
-            let noise: f64 = StandardNormal.sample(&mut random);
-            *value += (800.0 + 20.0 * noise) as f32;
-        }
-        for (y, rate) in places.iter().zip(RATES) {
-            let predicted = PredictedStreak {
-                path: line(*y, 0.5, 1.0),
-                drift_pix_s: [0.0; 2],
-                lateness_sigma_s: 0.0,
-                largest_delay_s: 0.0,
-                ends_s: Some([0.0, 10.0]),
-                cross_sigma_pix,
-                range_km: 600.0,
-                radius_m: 0.0,
-                radius_sigma_m: 0.0,
-            };
+            let predicted =
+                PredictedStreak { ends_s: Some([0.0, 10.0]), cross_sigma_pix, ..point_source(line(*y, 0.5, 1.0)) };
             let options = MeasureOptions { neighbour_pix: Some(apart), ..options() };
             let light_area = LightArea::whole(SIDE, SIDE);
             let measured = measure(&plane, &light_area, &predicted, &optics, &options).unwrap();
@@ -998,15 +995,9 @@ fn verif_given_ends_of_bright_streaks_are_where_their_light_ends() {
             *value = (mean + normal() * mean.sqrt()) as f32;
         }
         let predicted = PredictedStreak {
-            path: line([-0.8, EXPOSURE_S + 0.8], 1.0),
-            drift_pix_s: [0.0; 2],
-            lateness_sigma_s: 0.0,
-            largest_delay_s: 0.0,
             ends_s: Some([0.0, EXPOSURE_S]),
             cross_sigma_pix: 3.0,
-            range_km: 600.0,
-            radius_m: 0.0,
-            radius_sigma_m: 0.0,
+            ..point_source(line([-0.8, EXPOSURE_S + 0.8], 1.0))
         };
         let measured = measure(&plane, &LightArea::whole(rows, columns), &predicted, &optics, &options()).unwrap();
         let [first, last] = measured.ends_in_frame();

@@ -52,6 +52,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(requests::forecast, module)?)?;
     module.add_function(wrap_pyfunction!(requests::ephemeris, module)?)?;
     module.add_function(wrap_pyfunction!(requests::identify, module)?)?;
+    #[cfg(unix)]
+    module.add_function(wrap_pyfunction!(requests::identify_streaks, module)?)?;
     module.add_function(wrap_pyfunction!(learn::learn, module)?)?;
     module.add_function(wrap_pyfunction!(light::body_map, module)?)?;
     module.add_function(wrap_pyfunction!(light::sky_map, module)?)?;

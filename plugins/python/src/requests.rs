@@ -1,17 +1,22 @@
 //! Forecasts of nights, ephemerides and identification of streaks: JSON documents are converted to requests of the
 //! library, and results to tables.
 
+#[cfg(unix)]
+use std::path::PathBuf;
+
+#[cfg(unix)]
 use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::Watch;
-use streakcast::config::{EphemerisConfig, ForecastConfig, IdentifyConfig};
+use streakcast::config::{EphemerisConfig, ForecastConfig, IdentifyConfig, IdentifySettings};
+#[cfg(unix)]
+use streakcast::config::{StreakTables, identify_streaks as identify_tables};
 use streakcast::forecast::{
     EphemerisRow, ForecastRequest, PassColumns, Selection, ephemeris as compute_ephemeris, ephemeris_table,
     forecast as compute_forecast, night_table, pass_table,
 };
-use streakcast::frames::seconds_after;
-use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
+use streakcast::identify::streak_table;
 use streakcast::output::{Column, Kind, Table};
 
 use crate::columns::columns;
@@ -131,33 +136,58 @@ pub fn identify<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::json)?;
     let engine = engine.get();
-    let (tables, found, warnings, remarks) = failure::without_lock(py, |watch| {
+    let (plan, done) = failure::without_lock(py, |watch| {
         let plan = identify.resolve(&engine.setup).map_err(exception)?;
-        let streak = &plan.streak;
-        let (start, end): (Epoch, Epoch) = (streak.start(), seconds_after(streak.start(), streak.duration_s()));
-        let prepared = engine.sky_cache.get().over(start, end, watch)?;
-        prepared.check_altitude("streak", &plan.exposure()).map_err(exception)?;
-        let options =
-            IdentifyOptions { include_dark: engine.includes_dark(include_dark), photometry: engine.photometry };
-        let found = identify_streak(&prepared.sky, streak, &options).map_err(failure::request)?;
-        let rows = found.candidates.iter().take(top).map(|candidate| CandidateRow {
-            candidate,
-            elements: &prepared.sky.elements()[candidate.element_index],
-            photometry: &options.photometry,
-        });
-        let tables = (candidate_table(rows), streak_table(streak));
-        let warning = prepared.left_out_warning(&found.left_out, start).map_err(failure::setup)?;
-        let warnings = failure::all_as_arguments(found.unknown_observer.iter().chain(&warning));
-        let remarks = failure::all_as_arguments(&plan.remarks);
-        Ok((tables, found, warnings, remarks))
+        let (first, last) = plan.span();
+        let prepared = engine.sky_cache.get().over(first, last, watch)?;
+        let settings = IdentifySettings { include_dark, top };
+        let done = plan.identify(&engine.setup, &prepared, &settings).map_err(exception)?;
+        Ok((plan, done))
     })?;
     let result = PyDict::new(py);
-    result.set_item("candidates", columns(py, &tables.0)?)?;
-    result.set_item("streak", columns(py, &tables.1)?)?;
-    result.set_item("unknown_probability", found.unknown_probability)?;
-    result.set_item("n_candidates", found.candidates.len())?;
-    result.set_item("warnings", PyList::new(py, warnings)?)?;
-    result.set_item("remarks", PyList::new(py, remarks)?)?;
+    result.set_item("candidates", columns(py, &done.candidates)?)?;
+    result.set_item("streak", columns(py, &streak_table([&plan.streak]))?)?;
+    result.set_item("unknown_probability", done.found.unknown_probability)?;
+    result.set_item("n_candidates", done.found.candidates.len())?;
+    let warnings = failure::all_as_arguments(done.found.unknown_observer.iter().chain(&done.left_out));
+    result.set_item("warnings", warnings)?;
+    result.set_item("remarks", failure::all_as_arguments(&plan.remarks))?;
+    Ok(result)
+}
+
+/// Returns the candidates for the streaks of tables: `candidates` and `streak` as columns, `unknown_probability` and
+/// `n_candidates` of each streak, `warnings` about the satellites, `row_warnings`, and `remarks`. Names of frames in
+/// the tables are relative to `folder`, or to the folder of each table.
+#[cfg(unix)]
+#[pyfunction]
+#[pyo3(signature = (request, tables, folder, engine, include_dark, top))]
+pub fn identify_streaks<'py>(
+    py: Python<'py>,
+    request: &str,
+    tables: Vec<PathBuf>,
+    folder: Option<PathBuf>,
+    engine: Py<Engine>,
+    include_dark: Option<bool>,
+    top: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::json)?;
+    let engine = engine.get();
+    let done = failure::without_lock(py, |watch| {
+        let tables = StreakTables { paths: &tables, folder: folder.as_deref() };
+        let settings = IdentifySettings { include_dark, top };
+        let sky = |first: Epoch, last: Epoch| engine.sky_cache.get().prepared_over(first, last);
+        identify_tables(tables, &identify, &engine.setup, &settings, Some(&sky), watch).map_err(exception)
+    })?;
+    let result = PyDict::new(py);
+    let (numbers, unknown): (Vec<usize>, Vec<f64>) = done.counts.iter().copied().unzip();
+    result.set_item("candidates", columns(py, &done.candidates)?)?;
+    result.set_item("streak", columns(py, &done.streaks)?)?;
+    result.set_item("unknown_probability", unknown)?;
+    result.set_item("n_candidates", numbers)?;
+    let left_out = done.left_out.iter().filter_map(|(warning, _)| warning.as_ref());
+    result.set_item("warnings", failure::all_as_arguments(left_out))?;
+    result.set_item("row_warnings", failure::all_as_arguments(&done.warnings))?;
+    result.set_item("remarks", failure::all_as_arguments(&done.remarks))?;
     Ok(result)
 }
 

@@ -69,8 +69,12 @@ impl SkyCache {
     /// queries stop with the watch.
     pub fn over(&self, first: Epoch, last: Epoch, watch: &Watch) -> PyResult<PreparedSky> {
         watch.check().map_err(failure::request)?;
-        let prepared = if self.epoch.is_some() { self.prepared(first) } else { self.prepare(first, last) };
-        Ok(prepared.map_err(failure::setup)?.watched(watch))
+        Ok(self.prepared_over(first, last).map_err(failure::setup)?.watched(watch))
+    }
+
+    /// Returns the sky for a time span, with an error of the library instead of a Python exception.
+    pub fn prepared_over(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, Error> {
+        if self.epoch.is_some() { self.prepared(first) } else { self.prepare(first, last) }
     }
 
     fn prepare(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, Error> {

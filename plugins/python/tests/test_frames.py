@@ -246,6 +246,7 @@ def test_invalid_frames_are_named(model):
     for error, frame, options, message in [
         (ValueError, fits.PrimaryHDU(), {}, "frame is a PrimaryHDU without data; allowed: an HDU with an image"),
         (ValueError, fits.PrimaryHDU(np.zeros((2, 3, 4), "f4"), header()), {}, r"frame has the shape \(2, 3, 4\); allowed: a path, or an array"),
+        (ValueError, fits.PrimaryHDU(np.zeros((3, 50, 60), "f4"), header()), {}, r"shape \(3, 50, 60\); allowed: .* one channel of a colour image"),
         (ValueError, ccd(), {"header": header()}, "header is given for a CCDData, which contains it; allowed: with an array"),
         (ValueError, fits.HDUList([fits.PrimaryHDU(image, header())]), {"header": header()}, "header is given for an HDUList"),
         (ValueError, ccd(wcs=None), {}, "^frame: HDU 0: no celestial coordinates"),

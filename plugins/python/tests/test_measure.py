@@ -3,6 +3,7 @@
 import csv
 import os
 import subprocess
+import warnings
 
 import numpy as np
 import pytest
@@ -196,3 +197,85 @@ def test_streaks_outside_of_the_frame_have_rows(frame):
             streakcast.measure_streaks(frame[0], streaks)
     with pytest.raises(ValueError, match="place_sigma is given without streaks"):
         streakcast.StreakModel(mpc="X05", shells="starlink-gen1").measure(frame[0], place_sigma="1arcsec")
+
+
+def messages(call):
+    """Returns the result of a call, and its warnings."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = call()
+    return result, [str(one.message) for one in caught if issubclass(one.category, streakcast.StreakcastWarning)]
+
+
+def test_streaks_of_tables_are_identified_as_on_the_command_line(frame, model, command_line, tmp_path, monkeypatch):
+    path, truth = frame
+    rows = streak_rows(truth)
+    numbers = [int(row["norad_id"]) for row in truth if row["x1_pix"]]
+    table = tmp_path / "streaks.csv"
+    table.write_text("\n".join(",".join(map(str, line)) for line in [rows[0], *(row.values() for row in rows)]) + "\n")
+    answer = command_line("identify", "--streaks", table, "--image", path, "--top", "2", *SATELLITES)
+    found = model.identify(streaks=table, frame=path, top=2, output="dict")
+    for result, section in ((found.candidates, "candidates"), (found.streak, "streaks")):
+        assert list(result["streak"]) == [row["streak"] for row in answer[section]] and set(result["image"]) == {str(path)}
+    assert list(found.candidates["norad_id"]) == [row["norad_id"] for row in answer["candidates"]]
+    assert list(found.n_candidates) == [row["candidates"] for row in answer["streaks"]] == list(found.streak["candidates"])
+    np.testing.assert_allclose(found.unknown_probability, [float(row["unknown_probability"]) for row in answer["streaks"]], atol=1e-6)
+    _, first = np.unique(found.candidates["streak"], return_index=True)
+    assert list(found.candidates["norad_id"][np.sort(first)]) == numbers
+    # The result of one streak at a time is the same.
+    ends = [[row[name] for name in ("x1_pix", "y1_pix", "x2_pix", "y2_pix")] for row in rows]
+    alone = [model.identify(frame=path, pixels=np.reshape(end, (2, 2)), output="dict") for end in ends]
+    assert [one.candidates["norad_id"][0] for one in alone] == numbers
+    np.testing.assert_allclose(found.unknown_probability, [one.unknown_probability for one in alone])
+    # All forms of tables and frames; names of frames in memory, and paths relative to the table or the current folder.
+    fits = pytest.importorskip("astropy.io.fits")
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    named = {**columns, "image": [path.name] * len(rows)}
+    beside = path.parent / "named.csv"
+    with open(beside, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([named, *zip(*named.values())])
+    monkeypatch.chdir(path.parent)
+    with fits.open(path) as hdus:
+        measured = model.measure(hdus, streaks=rows, seeing="90arcsec").table
+        forms = [
+            (dict(streaks=rows, frame=path), str(path)),
+            (dict(streaks=[table], frame=path), str(path)),
+            (dict(streaks=columns, frame=hdus), "frame"),
+            (dict(streaks=measured["streak", "image", "x1_pix", "y1_pix", "x2_pix", "y2_pix"], frame=hdus), "frame"),
+            (dict(streaks=named), str(path)),
+            (dict(streaks=beside), str(path)),
+        ]
+        for given, image in forms:
+            one = model.identify(**given, top=2)
+            np.testing.assert_allclose(one.unknown_probability, found.unknown_probability, atol=1e-3, err_msg=str(given.keys()))
+            assert set(one.streak["image"]) == {image}
+    assert list(model.measure([], streaks=named, table="dict").table["norad_id"]) == numbers
+
+
+def test_rows_that_cannot_be_used_have_warnings(frame, model):
+    path, truth = frame
+    good = {**streak_rows(truth)[0], "id": "good"}
+    bad = {**good, "id": "bad", "x1_pix": "left"}
+    empty = {"id": "empty"}
+    found, warned = messages(lambda: model.identify(streaks=[good, bad, empty], frame=path))
+    assert list(found.streak["streak"]) == ["good"] and len(found.n_candidates) == 1
+    for words in ("streaks: line 3: x1_pix is 'left'; allowed: -1000000 to 1000000; the streak is left out", "streaks without ends are left out: empty"):
+        assert any(words in message for message in warned), (words, warned)
+    found, warned = messages(lambda: streakcast.measure_streaks(path, [good, bad, empty]))
+    assert list(found.table["streak"]) == ["good", "empty"]
+    assert any(message.startswith("streaks: line 3: x1_pix is 'left'") for message in warned), warned
+    # Names of temporary files are not shown.
+    coloured = [{**good, "colour": 3}]
+    for remarks in (model.identify(streaks=coloured, frame=path).remarks, streakcast.measure_streaks(path, coloured).remarks):
+        assert "streaks: columns that are not used: colour" in remarks
+    # Without any row left, the first problem is an error.
+    for call in (lambda rows: model.identify(streaks=rows, frame=path), lambda rows: streakcast.measure_streaks(path, rows)):
+        with pytest.raises(streakcast.StreakcastError, match="^streaks: line 2: x1_pix is 'left'"):
+            call([bad])
+    for given, words in (
+        (dict(ends=((1, 2), (3, 4))), "ends and streaks; allowed, one of"),
+        (dict(times=["2026-08-14T23:29:05Z"] * 2), "times is accepted with ends only"),
+        (dict(frame="none.fits"), "none.fits"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            model.identify(streaks=[good], **given)

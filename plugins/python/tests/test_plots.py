@@ -124,8 +124,9 @@ def test_a_light_curve_of_samples(model, tmp_path):
     with pytest.raises(ValueError, match="PDF is not supported"):
         picture.save(tmp_path / "curve.pdf")
     with pytest.raises(OSError, match="cannot write"):
-        picture.save(tmp_path / "nonesuch" / "curve.png")
-    assert {path.name for path in tmp_path.iterdir()} == {"curve.png", "curve.svg"}
+        picture.save(tmp_path / "curve.png" / "curve.png")
+    picture.save(tmp_path / "new" / "curve.png")
+    assert {path.name for path in tmp_path.iterdir()} == {"curve.png", "curve.svg", "new"}
 
 
 @pytest.mark.parametrize("output", ["qtable", "dict"])

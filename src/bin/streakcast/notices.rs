@@ -8,15 +8,12 @@ use std::time::Duration;
 use hifitime::Epoch;
 use indicatif::{ProgressBar, ProgressStyle};
 use streakcast::config::{Config, PreparedSky};
-use streakcast::message::{bounded, printable};
+use streakcast::message::{bounded, first_of, printable};
 use streakcast::orbit::LeftOut;
 use streakcast::output::counted;
 
 /// Smallest number of exposures for which a progress bar is shown.
 const LONG_WORK: usize = 2000;
-
-/// Number of warnings of one kind that are printed.
-const MOST_WARNINGS: usize = 3;
 
 /// Warnings of several nights. Of those that differ only in numbers, the first and the last one are printed.
 #[derive(Default)]
@@ -96,12 +93,7 @@ impl Notices {
     /// Prints the first three warnings of one kind, and the number of the others. `what` describes them in plural, for
     /// example "targets without a window".
     pub fn warn_first(&self, warnings: impl IntoIterator<Item = String>, what: &str) {
-        let mut warnings = warnings.into_iter();
-        self.warn(&warnings.by_ref().take(MOST_WARNINGS).collect::<Vec<_>>());
-        let others = warnings.count();
-        if others > 0 {
-            self.info(&format!("warning: {others} more {what}"));
-        }
+        self.warn(&first_of(warnings, what));
     }
 
     /// Prints a warning if the position of satellites cannot be computed; with `verbose` it lists all of them.

@@ -55,6 +55,21 @@ pub struct HduInfo {
     pub(super) data_length: u64,
 }
 
+/// Returns what an image of more than two axes is, and how to get a frame from it; `None` for one of fewer axes, without
+/// those of length 1.
+pub(super) fn cube_words(shape: &[usize]) -> Option<(String, &'static str)> {
+    let further = (2..shape.len()).find(|axis| shape[*axis] != 1)?;
+    // The colours of some programs are the first axis.
+    let axis = if shape[0] < 5 { 0 } else { further };
+    let count = shape[axis];
+    let (what, remedy) = if count == 3 || count == 4 {
+        ("a colour image", "extract one channel, for example the green one, as an image of two axes")
+    } else {
+        ("a cube", "extract the plane of one exposure as an image of two axes")
+    };
+    Some((format!("{what} of {count} planes (NAXIS{} = {count})", axis + 1), remedy))
+}
+
 impl HduInfo {
     /// Returns true for an image with any number of axes.
     pub(super) fn is_image(&self) -> bool {
@@ -76,10 +91,10 @@ impl HduInfo {
     pub(super) fn words(&self) -> String {
         match &self.kind {
             HduKind::Empty => "only a header".to_owned(),
-            HduKind::Image => format!("an image of axes {:?}", self.shape),
-            HduKind::CompressedImage(algorithm) => {
-                format!("an image of axes {:?} compressed by {algorithm}", self.shape)
-            }
+            HduKind::Image | HduKind::CompressedImage(_) => match cube_words(&self.shape) {
+                Some((words, _)) => words,
+                None => format!("an image of axes {:?}", self.shape),
+            },
             HduKind::Table => "a table".to_owned(),
             HduKind::TextTable => "a text table".to_owned(),
             HduKind::Other(name) => format!("an extension {name:?}"),

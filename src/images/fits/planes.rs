@@ -4,6 +4,7 @@ use super::super::header::Header;
 use super::super::pixels::PixelPosition;
 use super::super::wcs::Wcs;
 use super::frame_file::FrameFile;
+use super::hdu::cube_words;
 use crate::error::{Error, ErrorKind};
 
 /// Content of a companion plane.
@@ -228,30 +229,21 @@ impl FrameImages {
         if !self.tables.is_empty() {
             parts.push(format!("distortion tables: HDU {}", numbers(&self.tables)));
         }
-        parts.extend(self.cubes.iter().map(|(hdu, shape)| format!("HDU {hdu} is a cube {shape:?} and is ignored")));
+        let words = |(hdu, shape): &(usize, Vec<usize>)| {
+            cube_words(shape).map(|(words, _)| format!("HDU {hdu} is {words} and is ignored"))
+        };
+        parts.extend(self.cubes.iter().filter_map(words));
         Some(parts.join("; "))
     }
 
-    /// Returns an error that names the cubes of a file without frames, and what to do.
-    pub fn no_frame(&self) -> (String, &'static str) {
-        match self.cubes.first() {
-            Some((hdu, shape)) => {
-                let axis = if shape[0] < 5 { 1 } else { 3 };
-                let count = shape[axis - 1];
-                let (what, allowed) = if count == 3 || count == 4 {
-                    (
-                        "a colour image",
-                        "1 or more images of two axes: extract one channel, for example the green one, as an image of two axes",
-                    )
-                } else {
-                    (
-                        "a cube",
-                        "1 or more images of two axes: extract the plane of one exposure as an image of two axes",
-                    )
-                };
-                (format!("0; HDU {hdu} is {what} of {count} planes (NAXIS{axis} = {count})"), allowed)
+    /// Returns the number of frames of a file without any, with its first cube, and what to do.
+    pub fn no_frame(&self) -> (String, String) {
+        let cube = self.cubes.first().and_then(|(hdu, shape)| Some((hdu, cube_words(shape)?)));
+        match cube {
+            Some((hdu, (words, remedy))) => {
+                (format!("0; HDU {hdu} is {words}"), format!("1 or more images of two axes: {remedy}"))
             }
-            None => ("0".to_owned(), "1 or more (masks, weights and tables are ignored)"),
+            None => ("0".to_owned(), "1 or more (masks, weights and tables are ignored)".to_owned()),
         }
     }
 }

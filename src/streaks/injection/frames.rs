@@ -52,12 +52,12 @@ impl<'a> Frames<'a> {
             let open = |path: &PathBuf| TargetFrame::open(path, &plan.overrides).map_err(without_coordinates);
             return Ok(Self { known: plan.images.iter().map(open).collect::<Result<_, Error>>()?, maker: None });
         };
-        let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
+        let beside = outputs.first().map_or(Path::new("frame"), PathBuf::as_path);
         let maker = SyntheticMaker {
             synthetic,
             plan,
             overrides: FrameOverrides { start: None, duration_s: None, ..plan.overrides.clone() },
-            scratch: ScratchFolder::new(folder.unwrap_or(Path::new("."))).map_err(Error::system)?,
+            scratch: ScratchFolder::beside(beside).map_err(Error::system)?,
         };
         // Only the header of this frame is used. It is made without stars, which is faster.
         let starless = SyntheticFrame { stars: None, star_list: None, ..synthetic.frame.clone() };

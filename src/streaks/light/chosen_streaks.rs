@@ -76,16 +76,15 @@ impl ChosenStreaks {
     /// # Errors
     /// The file cannot be read, a column is missing, or a cell is invalid.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let (table, columns) = StreakTable::read(path, Columns::find)?;
-        let mut streaks = Vec::new();
-        for (row, number) in table.rows().zip(1..) {
-            if number > MOST_STREAKS {
-                return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
-            }
-            streaks.push(ChosenStreak::of_row(&row, number, &columns, path)?);
-        }
         let names = [&GivenColumns::NAMES[..], &["magnitude", "peak", "light_curve"]].concat();
-        Ok(Self { path: path.to_owned(), streaks, remarks: table.remarks(&names) })
+        let (table, columns) = StreakTable::read(path, MOST_STREAKS, &names, Columns::find)?;
+        // No row is left out: the frame would lack a streak that the user chose.
+        if let Some(error) = table.invalid().first() {
+            return Err(error.clone());
+        }
+        let rows = table.rows().map(|row| ChosenStreak::of_row(&row, &columns, path));
+        let streaks = rows.collect::<Result<_, _>>()?;
+        Ok(Self { path: path.to_owned(), streaks, remarks: table.remarks() })
     }
 
     /// Checks that each row has a distance, without which a size of the satellites, m, has no angle.
@@ -102,7 +101,7 @@ impl ChosenStreaks {
 }
 
 impl ChosenStreak {
-    fn of_row(row: &StreakRow<'_>, number: usize, columns: &Columns, path: &Path) -> Result<Self, Error> {
+    fn of_row(row: &StreakRow<'_>, columns: &Columns, path: &Path) -> Result<Self, Error> {
         let light = match (row.number(columns.magnitude)?, row.number(columns.peak)?) {
             (Some(magnitude), None) => ChosenLight::Magnitude(magnitude),
             (None, Some(peak)) => ChosenLight::Peak(peak),
@@ -115,6 +114,6 @@ impl ChosenStreak {
             "" => None,
             file => Some(LightCurve::read(&path.parent().unwrap_or(Path::new("")).join(file))?),
         };
-        Ok(Self { given: GivenStreak::of_row(row, number, &columns.given)?, light, curve })
+        Ok(Self { given: GivenStreak::of_row(row, &columns.given)?, light, curve })
     }
 }

@@ -81,7 +81,7 @@ pub struct GivenColumns {
 
 impl GivenColumns {
     /// Names of the columns.
-    pub const NAMES: [&str; 12] = [
+    pub const NAMES: [&'static str; 12] = [
         "range_km",
         "size_m",
         "range",
@@ -119,11 +119,11 @@ impl GivenStreak {
     /// Distance of lights whose distance is unknown, km. Their image has a given width, so it has no effect.
     pub(crate) const FAR_KM: f64 = 1e9;
 
-    /// Reads a row of a table, the `number`-th from 1.
+    /// Reads a row of a table.
     ///
     /// # Errors
     /// A cell is invalid, or the width is given twice.
-    pub fn of_row(row: &StreakRow<'_>, number: usize, columns: &GivenColumns) -> Result<Self, Error> {
+    pub fn of_row(row: &StreakRow<'_>, columns: &GivenColumns) -> Result<Self, Error> {
         let (range_km, size_m) = (row.number(columns.range_km)?, row.number(columns.size_m)?);
         let fwhm_arcsec = row.number(columns.fwhm_arcsec)?;
         let width = match (row.number(columns.fwhm_pix)?, fwhm_arcsec, range_km) {
@@ -151,7 +151,7 @@ impl GivenStreak {
             }
         };
         Ok(Self {
-            id: row.id(number),
+            id: row.id(),
             image: row.image().map(str::to_owned),
             hdu: row.hdu()?,
             ends: row.ends()?,

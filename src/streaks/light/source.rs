@@ -28,8 +28,7 @@ pub enum SourceName {
 impl fmt::Display for SourceName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Satellite { norad_id, name } if name.is_empty() => write!(f, "{}", norad_id.0),
-            Self::Satellite { name, .. } => f.write_str(name),
+            Self::Satellite { norad_id, name } => f.write_str(&norad_id.or_name(name)),
             Self::Random(number) => write!(f, "random {number}"),
             Self::Chosen(id) => f.write_str(id),
         }

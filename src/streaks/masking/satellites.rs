@@ -490,7 +490,7 @@ impl Masking<'_> {
 
     fn name_of(&self, satellite: &Satellite<'_>) -> String {
         let elements = &self.interval.sky().elements()[satellite.element_index];
-        if elements.name.is_empty() { elements.norad_id.to_string() } else { elements.name.to_string() }
+        elements.norad_id.or_name(&elements.name)
     }
 
     /// Returns the corridor of a measured streak on a chip; `None` if it does not reach the chip.

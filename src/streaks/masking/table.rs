@@ -159,7 +159,7 @@ pub fn region_file<'a>(frames: impl IntoIterator<Item = (&'a TargetFrame, &'a st
     let regions = frames.into_iter().flat_map(|(frame, image, mask)| {
         rows(frame, image, mask).map(move |PolygonRow { hdu, streak, polygon, .. }| Region {
             corners: polygon.iter().map(degrees).collect(),
-            name: if streak.name.is_empty() { streak.norad_id.to_string() } else { streak.name.to_string() },
+            name: streak.norad_id.or_name(&streak.name),
             tag: format!("{image} HDU {hdu}"),
         })
     });

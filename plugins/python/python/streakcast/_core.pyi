@@ -89,6 +89,15 @@ class Identified(TypedDict):
     warnings: list[str]
     remarks: list[str]
 
+class IdentifiedStreaks(TypedDict):
+    candidates: list[Column]
+    streak: list[Column]
+    n_candidates: list[int]
+    unknown_probability: list[float]
+    warnings: list[str]
+    row_warnings: list[str]
+    remarks: list[str]
+
 class Measured(TypedDict):
     measurements: list[Column]
     warnings: list[str]
@@ -205,6 +214,14 @@ def read_rows(path: str, hdu: int, dtype: str, first_row: int, end_row: int) -> 
 def forecast(requests: list[str], engine: Engine) -> Forecasted: ...
 def ephemeris(request: str, engine: Engine) -> tuple[list[Column], list[str]]: ...
 def identify(request: str, engine: Engine, include_dark: Optional[bool], top: int) -> Identified: ...
+def identify_streaks(
+    request: str,
+    tables: list[str],
+    folder: Optional[str],
+    engine: Engine,
+    include_dark: Optional[bool],
+    top: int,
+) -> IdentifiedStreaks: ...
 
 class SkyCache:
     def __new__(

@@ -260,8 +260,10 @@ def _as_int32(pixels: npt.NDArray[Any], what: str) -> npt.NDArray[np.int32]:
 
 def _check_shape(shape: tuple[int, ...], what: str) -> None:
     if len(shape) != 2:
+        is_colour = len(shape) == 3 and not {shape[0], shape[-1]}.isdisjoint((3, 4))
+        channel = ", for example one channel of a colour image" if is_colour else ""
         raise ValueError(
-            f"{what} has the shape {shape}; allowed: a path, or an array of rows and columns (also of an HDU or NDData)"
+            f"{what} has the shape {shape}; allowed: a path, or an array of rows and columns (also of an HDU or NDData){channel}"
         )
 
 

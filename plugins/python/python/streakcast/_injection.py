@@ -292,7 +292,11 @@ def inject(
         request = json.dumps(_without_none({**options, "image": [*files.paths]}))
         result = _core.inject(request, json.dumps(setup), config, sky_cache, target)
         done = _done(files.images[0], target, output, with_mask=not pixels_only)
-    warn_of_frames(files.shown(message) for message in result["warnings"])
+
+    def shown(text: str) -> str:
+        return files.shown(tables.shown(text))
+
+    warn_of_frames(shown(message) for message in result["warnings"])
     if model is not None:
         # Old element sets, as in the other methods.
         model._warn_once([])
@@ -307,7 +311,7 @@ def inject(
         trails=table_of(result["trails"], table),
         summary=result["summary"],
         frame=done.frame,
-        remarks=tuple(files.shown(remark) for remark in result["remarks"]),
+        remarks=tuple(shown(remark) for remark in result["remarks"]),
         labels=dict(result["labels"]),
         _added=done.added,
         _mask=done.mask,

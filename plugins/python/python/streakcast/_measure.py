@@ -282,7 +282,12 @@ def _measure(
     what = "frame" if len(several) == 1 else "frames"
     with streak_files(streaks) as tables, as_files(several, header, what=what) as files:
         request["image"], request["streaks"] = [*files.paths], [*tables.paths]
+        request["streaks_folder"] = tables.image_folder
         result = _core.measure(json.dumps(_without_none(request)), json.dumps(setup), config, sky_cache)
+
+    def shown(text: str) -> str:
+        return files.shown(tables.shown(text))
+
     measured = files.named(result["measurements"])
     columns = arrays_of(measured)
     observed, predicted = columns["magnitude"], columns["predicted_magnitude"]
@@ -299,7 +304,7 @@ def _measure(
     )
     measurements = Measurements(
         table=table_of(measured, table, main=_MEASUREMENTS if streaks is None else _STREAKS),
-        remarks=tuple(files.shown(remark) for remark in result["remarks"]),
+        remarks=tuple(shown(remark) for remark in result["remarks"]),
         learn_arguments=learn_arguments,
     )
-    return measurements, [files.shown(message) for message in result["warnings"]]
+    return measurements, [shown(message) for message in result["warnings"]]

@@ -142,14 +142,19 @@ class Forecast(NamedTuple):
 
 
 class Identification(NamedTuple):
-    """Candidate satellites for a measured streak."""
+    """Candidate satellites for a measured streak, or for the streaks of a table: numbers for one streak, arrays of shape
+    ``(n_streaks,)`` for those of a table."""
 
     #: One row per candidate, in order of decreasing probability: along-track and cross-track offsets with sigmas,
-    #: angle, length, chi square, probability, position, magnitude, age of the element set.
+    #: angle, length, chi square, probability, position, magnitude, age of the element set. A streak that no candidate
+    #: fits has no row. Those of a table begin with ``streak``, the name of the streak, and ``image``.
     candidates: Table
-    #: Measured streak, one row.
+    #: One row per measured streak. Those of a table have ``streak``, ``image``, ``candidates`` and ``unknown_probability``,
+    #: too; rows of the table that cannot be used are left out.
     streak: Table
     #: Number of candidates, including those that are not listed.
-    n_candidates: int
+    n_candidates: WholeOrArray
     #: Probability that the streak is of a satellite that is missing in the element sets.
-    unknown_probability: float
+    unknown_probability: FloatOrArray
+    #: Remarks about the columns of a table, and about the headers of its frames.
+    remarks: tuple[str, ...] = ()

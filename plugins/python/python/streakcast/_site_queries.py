@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._frames import as_files
+from ._frames import Files, as_files
 from ._results import Forecast, Identification, Overhead
 from ._quantities import count, finite_scalar, number, scalar
 from ._state import ModelState
 from ._streak import streak_request
-from ._tables import CANDIDATES, EPHEMERIS, FORECAST, NIGHTS, STREAK, table_of
+from ._streak_tables import streak_files
+from ._tables import CANDIDATES, CANDIDATES_OF_TABLE, EPHEMERIS, FORECAST, NIGHTS, STREAK, STREAKS_OF_TABLE, table_of
 from ._times import is_time, to_tai
 from ._warnings import warn_of_frames
 from .typing import (
@@ -27,6 +29,7 @@ from .typing import (
     NightLike,
     Output,
     PathLike,
+    StreaksLike,
     Table,
     TargetLike,
     TextLike,
@@ -288,6 +291,7 @@ class SiteQueries(ModelState):
         origin: int = 1,
         hdu: int | None = None,
         region: PathLike | None = None,
+        streaks: StreaksLike | Sequence[PathLike] | None = None,
         start: TimeLike | None = None,
         exposure: FloatLike | None = None,
         whole_streak: bool = False,
@@ -299,11 +303,12 @@ class SiteQueries(ModelState):
         scale: str | None = None,
         output: Output = "auto",
     ) -> Identification:
-        """Returns the candidate satellites for a measured streak, as printed by ``streakcast identify``.
+        """Returns the candidate satellites for a measured streak, or for those of a table, as printed by
+        ``streakcast identify``.
 
-        The streak is specified in one of four ways: ``ends`` (with ``times``, or in an exposure), ``place`` with
-        ``position_angle``, ``pixels`` of a ``frame``, or a ``region``. Element sets are selected for that time, as on
-        the command line.
+        The streak is specified in one of five ways: ``ends`` (with ``times``, or in an exposure), ``place`` with
+        ``position_angle``, ``pixels`` of a ``frame``, a ``region``, or the rows of ``streaks``. Element sets are selected
+        for that time, as on the command line.
 
         Parameters
         ----------
@@ -330,6 +335,11 @@ class SiteQueries(ModelState):
             HDU of the frame, from 0; default: the only image.
         region : path
             File of DS9 regions drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs.
+        streaks : path or list of paths, `~astropy.table.Table`, dict of columns, or list of dicts
+            Tables of streaks of any number of frames, as for `measure`: ends in pixels or on the sky, ``streaks.txt`` of
+            ASTRiDE, a catalog of ``acstools.findsat_mrt``, or regions of DS9. The frame of a row is its column ``image`` (a
+            path relative to the folder of the table; for a table in memory to the current folder), or else ``frame``.
+            Rows that cannot be used are left out, with a warning.
         start : time, optional
             Shutter opening.
         exposure : float or `~astropy.units.Quantity`, optional
@@ -362,22 +372,32 @@ class SiteQueries(ModelState):
         StreakcastError
             The streak is invalid: identical ends, pixels outside the frame, below the horizon, or an invalid file.
         ValueError
-            None or more than one of the four ways is used.
+            None or more than one of the five ways is used.
         TypeError
             A number is given as time without a scale.
+
+        Warns
+        -----
+        StreakcastWarning
+            Rows of ``streaks`` are left out, satellites are omitted, or element sets are old.
         """
         scale = self._scale(scale)
         if frame is None and header is not None:
             raise ValueError("header is given without frame; allowed: with an array as frame")
-        with as_files([] if frame is None else [frame], header) as files:
+        with streak_files(streaks) as tables, as_files([] if frame is None else [frame], header) as files:
             request = streak_request(
                 ends=ends, times=times, place=place, position_angle=position_angle, length=length,
                 frame=files.paths[0] if files.paths else None, pixels=pixels,
-                origin=origin, hdu=hdu, region=region, start=start, exposure=exposure, whole_streak=whole_streak,
+                origin=origin, hdu=hdu, region=region, streaks=streaks, start=start, exposure=exposure, whole_streak=whole_streak,
                 place_sigma=place_sigma, time_sigma=time_sigma, angle_sigma=angle_sigma, scale=scale,
             )  # fmt: skip
             listed = count(top, "top", 1)
             is_dark = None if include_dark is None else bool(include_dark)
+            if streaks is not None:
+                if not hasattr(_core, "identify_streaks"):
+                    raise NotImplementedError("streaks are not in this build: they need CFITSIO, which does not build on Windows")
+                found = _core.identify_streaks(json.dumps(request), tables.paths, tables.image_folder, self._engine, is_dark, listed)
+                return self._identified(found, lambda text: files.shown(tables.shown(text)), files, output)
             result = _core.identify(json.dumps(request), self._engine, is_dark, listed)
         warn_of_frames(files.shown(remark) for remark in result["remarks"])
         self._warn_once(result["warnings"])
@@ -386,6 +406,20 @@ class SiteQueries(ModelState):
             table_of(result["streak"], output, main=STREAK),
             result["n_candidates"],
             result["unknown_probability"],
+        )
+
+    def _identified(
+        self, found: _core.IdentifiedStreaks, shown: Callable[[str], str], files: Files, output: Output
+    ) -> Identification:
+        """Returns the candidates of the streaks of tables, and issues the warnings."""
+        warn_of_frames(shown(message) for message in found["row_warnings"])
+        self._warn_once([shown(message) for message in found["warnings"]])
+        return Identification(
+            table_of(files.named(found["candidates"]), output, main=CANDIDATES_OF_TABLE),
+            table_of(files.named(found["streak"]), output, main=STREAKS_OF_TABLE),
+            np.array(found["n_candidates"], dtype=np.int64),
+            np.array(found["unknown_probability"], dtype=np.float64),
+            tuple(shown(remark) for remark in found["remarks"]),
         )
 
 

@@ -14,7 +14,7 @@ from ._times import to_tai
 from .typing import EndsLike, FloatLike, FloatOrArray, Json, PathLike, TargetLike, TimeLike
 
 #: Ways to specify a streak.
-_FORMS = "ends; place with position_angle; pixels of a frame; or region"
+_FORMS = "ends; place with position_angle; pixels of a frame; region; or streaks, a table"
 
 
 def streak_request(
@@ -29,6 +29,7 @@ def streak_request(
     origin: int,
     hdu: int | None,
     region: PathLike | None,
+    streaks: object,
     start: TimeLike | None,
     exposure: FloatLike | None,
     whole_streak: bool,
@@ -37,8 +38,8 @@ def streak_request(
     angle_sigma: FloatLike | None,
     scale: str | None,
 ) -> dict[str, Json]:
-    """Returns the request document. Arguments are those of `StreakModel.identify`."""
-    ways = dict(ends=ends, place=place, pixels=pixels, region=region)
+    """Returns the request document, without the table of streaks. Arguments are those of `StreakModel.identify`."""
+    ways = dict(ends=ends, place=place, pixels=pixels, region=region, streaks=streaks)
     named = [name for name, value in ways.items() if value is not None]
     if len(named) != 1:
         raise ValueError(f"{' and '.join(named) or 'missing streak'}; allowed, one of: {_FORMS}")
@@ -69,7 +70,7 @@ def streak_request(
         request["from_pix"], request["to_pix"] = (
             ",".join(_plain(part, "pixels") for part in pixel) for pixel in array + (1 - origin)
         )
-    else:
+    elif region is not None:
         request["region"] = _path(region, "region")
     if frame is not None:
         request["image"] = frame

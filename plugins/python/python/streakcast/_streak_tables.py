@@ -26,6 +26,11 @@ class StreakFiles:
     #: Folder of a temporary file with a separator; empty for files of the user.
     folder: str = ""
 
+    @property
+    def image_folder(self) -> str | None:
+        """Folder to which names of frames are relative: the current one for a table in memory, otherwise that of the file."""
+        return os.getcwd() if self.folder else None
+
     def shown(self, text: str) -> str:
         """Returns a message without the folder of the temporary file."""
         return text.replace(self.folder, "") if self.folder else text

@@ -32,6 +32,8 @@ FORECAST = Main(("name", "begin_utc"), ("highest_altitude_deg", "peak_magnitude"
 NIGHTS = Main(("dark_from_utc", "dark_until_utc"), ("dark_h", "why_empty"))
 EPHEMERIS = Main(("name", "utc", "ra_deg"), ("dec_deg", "magnitude"))
 CANDIDATES = Main(("name", "probability"), ("along_track_offset_s", "magnitude"))
+CANDIDATES_OF_TABLE = Main(("streak", "name", "probability"), ("along_track_offset_s", "magnitude"))
+STREAKS_OF_TABLE = Main(("streak", "image", "start_utc"), ("candidates", "unknown_probability"))
 STREAK = Main(("start_utc", "ra_deg", "dec_deg"), ("position_angle_deg", "length_deg"))
 TRUTH = Main(("name", "x1_pix", "y1_pix", "x2_pix"), ("y2_pix", "length_pix", "magnitude"))
 

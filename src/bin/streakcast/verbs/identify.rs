@@ -1,23 +1,22 @@
 //! `identify`: lists the candidates for a measured streak, in order of decreasing probability.
 
 #[cfg(unix)]
-use std::{collections::BTreeSet, path::PathBuf};
+use std::path::PathBuf;
 
 use crate::arguments::OutputArguments;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
+use streakcast::config::{Config, IdentifyConfig, IdentifySettings, Mark, RequiredInput, SATELLITES, SITE, STREAK};
+use streakcast::identify::{Identified, Offset, streak_table};
+use streakcast::output::counted;
 #[cfg(unix)]
-use streakcast::config::streaks_of_table;
-use streakcast::config::{
-    Config, IdentifyConfig, IdentifyPlan, Mark, PreparedSky, RequiredInput, SATELLITES, SITE, STREAK,
+use streakcast::{
+    Watch,
+    config::{StreakTables, identify_streaks},
+    message::listed,
+    orbit::LeftOut,
 };
-use streakcast::frames::seconds_after;
-use streakcast::identify::{
-    CandidateRow, Identified, IdentifyOptions, Offset, candidate_table, identify_streak, streak_table,
-};
-#[cfg(unix)]
-use streakcast::output::{Column, Kind, Provenance, Table, Value, counted};
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
@@ -117,8 +116,12 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     let output = typed.output.clone().open(&at_site)?;
     let notices = begin(&at_site)?;
     remark.iter().chain(&plan.remarks).for_each(|remark| notices.info(remark));
-    let mut prepared = prepared_for(&at_site, &plan, &notices)?;
-    let done = identified(&typed, &at_site, &plan, &prepared)?;
+    let (first, last) = plan.span();
+    let mut prepared = at_site.prepare(first, last)?;
+    notices.warn(&prepared.warnings);
+    at_site.state_scales(&mut prepared.provenance, &at_site.photometry()?);
+    let settings = settings(&typed);
+    let done = plan.identify(&at_site, &prepared, &settings)?;
     notices.warn(&done.found.unknown_observer);
     notices.list_left_out(done.left_out.clone(), &done.found.left_out);
     let found = &done.found;
@@ -126,16 +129,16 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
         "options",
         json!({
             "streak": plan.source,
-            "include_dark": done.options.include_dark,
+            "include_dark": settings.includes_dark(&at_site),
             "top": typed.top,
             "candidates": found.candidates.len(),
             "unknown_probability": (found.unknown_probability * 1e6).round() / 1e6,
         }),
     );
-    let candidates = done.table(&prepared, typed.top);
+    let candidates = &done.candidates;
     output.write(
-        &VerbResult::new("candidates", &candidates, ON_SCREEN, &prepared.provenance)
-            .after("streak", &streak_table(&plan.streak))
+        &VerbResult::new("candidates", candidates, ON_SCREEN, &prepared.provenance)
+            .after("streak", &streak_table([&plan.streak]))
             .with("left_out", &left_out_table(&done.found.left_out))
             .bold((!candidates.rows.is_empty()).then_some(0)),
         &notices,
@@ -144,143 +147,43 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     Ok(if candidates.rows.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
-/// Candidates of one streak.
-struct Done {
-    found: Identified,
-    options: IdentifyOptions,
-    /// Warning about satellites whose position cannot be computed.
-    left_out: Option<String>,
+fn settings(typed: &IdentifyArguments) -> IdentifySettings {
+    IdentifySettings { include_dark: typed.include_dark, top: typed.top }
 }
 
-impl Done {
-    /// Returns the table of the first candidates. If no candidate fits, none is listed: all are far from the streak.
-    fn table(&self, prepared: &PreparedSky, top: usize) -> Table {
-        let top = if self.found.is_without_fit() { 0 } else { top };
-        candidate_table(self.found.candidates.iter().take(top).map(|candidate| CandidateRow {
-            candidate,
-            elements: &prepared.sky.elements()[candidate.element_index],
-            photometry: &self.options.photometry,
-        }))
-    }
-}
-
-/// Prepares the sky of a streak, and prints its warnings.
-fn prepared_for(config: &Config, plan: &IdentifyPlan, notices: &Notices) -> anyhow::Result<PreparedSky> {
-    let streak = &plan.streak;
-    let mut prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
-    notices.warn(&prepared.warnings);
-    config.state_scales(&mut prepared.provenance, &config.photometry()?);
-    Ok(prepared)
-}
-
-/// Searches the candidates of one streak in its sky.
-fn identified(
-    typed: &IdentifyArguments,
-    config: &Config,
-    plan: &IdentifyPlan,
-    prepared: &PreparedSky,
-) -> anyhow::Result<Done> {
-    let streak = &plan.streak;
-    let options = IdentifyOptions {
-        include_dark: typed.include_dark.or(config.include_dark).unwrap_or(false),
-        photometry: config.photometry()?,
-    };
-    prepared.check_altitude("streak", &plan.exposure())?;
-    let found = identify_streak(&prepared.sky, streak, &options)?;
-    let left_out = prepared.left_out_warning(&found.left_out, streak.start())?;
-    Ok(Done { found, options, left_out })
-}
-
-/// Identifies the streaks of tables. The table of candidates has the name and the frame of each streak in front.
+/// Identifies the streaks of tables.
 #[cfg(unix)]
 fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outcome> {
     check(config, &[&SATELLITES], &[])?;
     let output = typed.output.clone().open(config)?;
     let notices = begin(config)?;
-    let mut candidates = candidate_table(std::iter::empty());
-    let named = [
-        Column::new("streak", Kind::Text, "Name of the streak in its table."),
-        Column::new("image", Kind::Text, "File of the frame; empty for a streak without a frame."),
-    ];
-    candidates.columns.splice(0..0, named);
-    let mut left_out = left_out_table(&[]);
-    // Sky of the last streak, and its frame and times.
-    let mut sky: Option<(_, PreparedSky)> = None;
-    let (mut count, mut without) = (0, Vec::new());
-    let mut failed = Vec::new();
-    let (mut of_observer, mut stated) = (Vec::new(), BTreeSet::new());
-    for path in &typed.streaks {
-        let (rows, remarks) = streaks_of_table(path, &typed.streak)?;
-        remarks.iter().for_each(|remark| notices.info(remark));
-        for row in rows {
-            let at_row = |error: &dyn std::fmt::Display| anyhow!("{}: {error}", row.origin);
-            let (at_site, remark) = row.streak.with_site_of_frame(config.clone()).map_err(|error| at_row(&error))?;
-            let plan = match row.streak.resolve(&at_site) {
-                Ok(plan) => plan,
-                Err(error) => {
-                    failed.push(at_row(&error));
-                    continue;
-                }
-            };
-            // Streaks of one frame have the same sky.
-            let key = (row.streak.image.clone(), plan.streak.start(), plan.streak.duration_s().to_bits());
-            let same = sky.take_if(|(of, _)| *of != key).is_none() && sky.is_some();
-            if !same {
-                remark.iter().for_each(|remark| notices.info(remark));
-            }
-            let (_, prepared) = match &mut sky {
-                Some(sky) => sky,
-                None => sky.insert((key, prepared_for(&at_site, &plan, &notices)?)),
-            };
-            let done = match identified(typed, &at_site, &plan, prepared) {
-                Ok(done) => done,
-                Err(error) => {
-                    failed.push(at_row(&error));
-                    continue;
-                }
-            };
-            of_observer.extend(done.found.unknown_observer.iter().map(|warning| format!("{}: {warning}", row.origin)));
-            // The streaks of a night have the same warning.
-            if stated.insert(done.left_out.clone()) {
-                notices.list_left_out(done.left_out.clone(), &done.found.left_out);
-            }
-            let image = row.streak.image.as_ref().map(|image| image.display().to_string());
-            let table = done.table(prepared, typed.top);
-            if table.rows.is_empty() {
-                without.push(row.id.clone());
-            }
-            candidates.rows.extend(table.rows.into_iter().map(|mut cells| {
-                cells.splice(0..0, [Value::Text(row.id.clone()), image.clone().into()]);
-                cells
-            }));
-            if !same {
-                left_out.rows.extend(left_out_table(&done.found.left_out).rows);
-            }
-            count += 1;
+    let tables = StreakTables { paths: &typed.streaks, folder: None };
+    let settings = settings(typed);
+    let mut done = identify_streaks(tables, &typed.streak, config, &settings, None, &Watch::default())?;
+    done.remarks.iter().for_each(|remark| notices.info(remark));
+    notices.warn(&done.warnings);
+    done.left_out.iter().for_each(|(warning, satellites)| {
+        if let Some(warning) = warning {
+            notices.list_left_out([warning.clone()], satellites);
         }
-    }
-    notices.warn_first(of_observer, "streaks with such a telescope");
-    if !failed.is_empty() {
-        if count == 0 {
-            return Err(failed.swap_remove(0));
-        }
-        let warnings = failed.iter().map(|error| format!("{error}; the streak is left out"));
-        notices.warn_first(warnings, "streaks left out");
-    }
-    // A detector may have found no streak.
-    let mut provenance = sky.map_or_else(Provenance::new, |(_, prepared)| prepared.provenance);
-    let include_dark = typed.include_dark.or(config.include_dark).unwrap_or(false);
+    });
     let tables: Vec<String> = typed.streaks.iter().map(|path| path.display().to_string()).collect();
-    provenance.state("options", json!({ "streaks": tables, "include_dark": include_dark, "top": typed.top }));
+    let options = json!({ "streaks": tables, "include_dark": settings.includes_dark(config), "top": typed.top });
+    done.provenance.state("options", options);
+    let left_out: Vec<LeftOut> = done.left_out.iter().flat_map(|(_, satellites)| satellites.clone()).collect();
     output.write(
-        &VerbResult::new("candidates", &candidates, OF_TABLES, &provenance).with("left_out", &left_out),
+        &VerbResult::new("candidates", &done.candidates, OF_TABLES, &done.provenance)
+            .after("streaks", &done.streaks)
+            .with("left_out", &left_out_table(&left_out)),
         &notices,
     )?;
+    let (count, without) = (done.counts.len(), &done.without_candidate);
     notices.info(&format!("{}: {} with candidates", counted(count, "streak", "streaks"), count - without.len()));
     if !without.is_empty() {
-        notices.info(&format!("no satellite of these elements fits: {}", without.join(", ")));
+        let names = listed(without.iter().map(String::as_str));
+        notices.info(&format!("no satellite of these elements fits: {names}"));
     }
-    Ok(if candidates.rows.is_empty() { Outcome::No } else { Outcome::Done })
+    Ok(if done.candidates.rows.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
 /// Checks that streak, times, satellites and site are given.
@@ -307,7 +210,7 @@ fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky)
         return;
     };
     let elements = &sky.elements()[best.element_index];
-    let name = if elements.name.is_empty() { best.norad_id.to_string() } else { elements.name.to_string() };
+    let name = best.norad_id.or_name(&elements.name);
     let counted = counted(found.candidates.len(), "candidate", "candidates");
     if found.is_without_fit() {
         let Offset { value: delay_s, sigma } = best.along_track_s;

@@ -1,7 +1,6 @@
 //! `inject`: adds streaks of satellites, or random streaks, to frames.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
@@ -16,7 +15,7 @@ use crate::failure::Outcome;
 use crate::files::check_distinct;
 use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
-use crate::output::{Format, Output, VerbResult, cannot_write, check_whole};
+use crate::output::{Format, Output, VerbResult, check_whole};
 use crate::output::{check, write_bytes};
 
 #[derive(Args)]
@@ -138,12 +137,10 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
     frame_outputs(&output, &typed.injection.image, count)
 }
 
-/// Returns the output of each frame: the file of a single frame, whose folder is created if it is missing, or files in an
-/// existing folder with the names of the input `images`, or with numbers if there are none.
+/// Returns the output of each frame: the file of a single frame, or files in an existing folder (a new one may be meant as
+/// a file) with the names of the input `images`, or with numbers if there are none.
 pub fn frame_outputs(output: &Path, images: &[PathBuf], count: usize) -> anyhow::Result<Vec<PathBuf>> {
     if count == 1 && !output.is_dir() {
-        let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
-        folder.map_or(Ok(()), fs::create_dir_all).map_err(|error| cannot_write(output, &error))?;
         return Ok(vec![output.to_owned()]);
     }
     if !output.is_dir() {

@@ -1,9 +1,7 @@
 //! `completions` and `man`: completions for shells and manual pages, generated from the definition of the command line.
 
-use std::fs;
 use std::path::PathBuf;
 
-use anyhow::anyhow;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Command, ValueHint};
 use clap_complete::{Shell, generate};
@@ -84,7 +82,6 @@ pub fn man(typed: &ManArguments, mut command: Command) -> anyhow::Result<Outcome
     let mut pages = Vec::new();
     add_pages(&command, &mut pages)?;
     let folder = &typed.output;
-    fs::create_dir_all(folder).map_err(|error| anyhow!("cannot create the folder {}: {error}", folder.display()))?;
     let pages: Vec<(PathBuf, Vec<u8>)> = pages.into_iter().map(|(name, page)| (folder.join(name), page)).collect();
     pages.iter().try_for_each(|(path, _)| check(path))?;
     let notices = Notices::new(typed.quiet);

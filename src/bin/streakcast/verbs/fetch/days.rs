@@ -29,7 +29,6 @@ pub fn folder_of_days(file: &Path) -> PathBuf {
 pub fn keep(file: &Path, bytes: &[u8], now: Epoch) -> anyhow::Result<()> {
     let folder = folder_of_days(file);
     let failed = |path: &Path, error: std::io::Error| anyhow!("cannot write {}: {error}", path.display());
-    fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
     let extension = file.extension().unwrap_or_default().to_string_lossy().into_owned();
     let day = format_utc(now, 0)[..10].to_owned();
     let newest = folder.join(format!("{day}.{extension}"));

@@ -1,9 +1,7 @@
 //! Pictures of maps.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::anyhow;
 use streakcast::config::SiteConfig;
 use streakcast::maps::PAPER_FIGURES;
 use streakcast::output::Provenance;
@@ -46,9 +44,6 @@ pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
     // The maps of the paper have no atmospheric extinction.
     let options = PhotometryOptions { extinction_mag_per_airmass: None, ..config.photometry()? };
     let folder = &typed.output;
-    if !folder.is_dir() {
-        fs::create_dir(folder).map_err(|error| anyhow!("cannot create the folder {}: {error}", folder.display()))?;
-    }
     notices.warn(&super::run::provisional(&model));
     let site_options = [("extinction", config.extinction.is_some()), ("shadow", config.shadow.is_some())];
     notices.warn(&super::run::unused_options(&config, &site_options, "the paper's figures"));

@@ -1,6 +1,5 @@
 //! `reproduce lu2024`: tables, figures and tests of Lu (2024) on simulated or measured photometry, with a report.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
@@ -142,9 +141,6 @@ pub fn run(
     }
     let output = Output::new(format, None)?;
     let mut rows = table_one::rows(typed.satcat.as_deref(), &typed.elements)?;
-    if !folder.is_dir() {
-        fs::create_dir(folder).map_err(|error| anyhow!("cannot create the folder {}: {error}", folder.display()))?;
-    }
     ["report.md", "table.csv", "model.json"].iter().try_for_each(|name| check(&folder.join(name)))?;
     let base = base()?;
     let form = form(&base)?;

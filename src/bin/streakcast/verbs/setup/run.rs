@@ -123,9 +123,6 @@ pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
         let exposure = quoted(&typed.exposure);
         text += &format!("\n[windows]\nexposure = {exposure}\n\n[gate]\nexposure = {exposure}\n");
     }
-    if let Some(folder) = file.parent() {
-        fs::create_dir_all(folder).map_err(|error| crate::output::cannot_write(folder, &error))?;
-    }
     write_bytes(&file, text.as_bytes(), &notices)?;
     let Site { latitude_rad, longitude_rad, height_m, name, .. } = &place.site;
     let is_named = place.town.is_some() || !place.keys.contains("lat =");

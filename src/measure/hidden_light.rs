@@ -1,0 +1,58 @@
+//! Light of a streak that is not seen: on masked pixels, on pixels without a value, or outside of the illuminated area.
+
+use super::band::Band;
+use crate::images::LightArea;
+
+/// Returns the smallest share of a streak's light on pixels with a value, for streaks up to `reach` pixels beside the drawn one;
+/// pixels outside the illuminated area do not count.
+pub(super) fn least_usable_beside(band: &Band, template: &[f32], light_area: &LightArea, reach: isize) -> f64 {
+    let share = |shift: isize| {
+        let (mut all, mut light, mut usable) = (0.0, 0.0, 0.0);
+        for (at, weight) in template.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
+            let (column, offset) = (at / band.height, (at % band.height) as isize + shift);
+            all += f64::from(*weight);
+            let Ok(offset) = usize::try_from(offset) else { continue };
+            if offset >= band.height || !light_area.contains(band.pixel(column, offset)) {
+                continue;
+            }
+            light += f64::from(*weight);
+            if band.values[column * band.height + offset].is_finite() {
+                usable += f64::from(*weight);
+            }
+        }
+        // A streak whose middle is outside of the image cannot be seen, whether or not its wings are masked.
+        if 2.0 * light > all { usable / light } else { 1.0 }
+    };
+    (-reach..=reach).map(share).fold(1.0, f64::min)
+}
+
+/// Returns the fraction of the streak's length at which a pixel `margin` pixels from its middle, on either side, is
+/// outside the illuminated area, and the fraction of its light that is masked or without a value.
+pub(super) fn edge_and_hidden_shares(
+    band: &Band,
+    mask: &[bool],
+    template: &[f32],
+    light_area: &LightArea,
+    margin: usize,
+) -> (f64, f64) {
+    let (mut lit, mut edge, mut light, mut hidden) = (0.0, 0.0, 0.0, 0.0);
+    for (column, weights) in template.chunks_exact(band.height).enumerate() {
+        if weights.iter().all(|weight| *weight <= 0.0) {
+            continue;
+        }
+        lit += 1.0;
+        let is_outside = |offset: usize| {
+            let at = band.pixel(column, offset);
+            !light_area.contains(at)
+        };
+        edge += f64::from(u8::from(is_outside(band.half() - margin) || is_outside(band.half() + margin)));
+        let start = column * band.height;
+        for (offset, weight) in weights.iter().enumerate() {
+            light += f64::from(*weight);
+            if mask[start + offset] || band.values[start + offset].is_nan() {
+                hidden += f64::from(*weight);
+            }
+        }
+    }
+    (if lit > 0.0 { edge / lit } else { 1.0 }, if light > 0.0 { hidden / light } else { 1.0 })
+}
