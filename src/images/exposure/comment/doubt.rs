@@ -2,7 +2,7 @@
 
 use super::clock::UNIVERSAL;
 use super::part::FILLERS;
-use super::unit::seconds_in;
+use super::seconds::seconds_in;
 use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
 /// Words of times that are only near the part of the exposure that the comment states.
@@ -31,9 +31,9 @@ impl Comment {
         })
     }
 
-    /// Returns true if the comment states an uncertainty of more than a second, or that the value is approximate.
+    /// Returns true if the comment states an uncertainty of more than 0.1 s, or that the value is approximate.
     pub fn is_approximate(&self) -> bool {
-        self.has(APPROXIMATE) || self.uncertainty_s().is_some_and(|uncertainty_s| uncertainty_s > 1.0)
+        self.has(APPROXIMATE) || self.uncertainty_s().is_some_and(|uncertainty_s| uncertainty_s > 0.1)
     }
 
     /// Returns true if a remark states that the times of the header are local, of the middle or the end, or wrong.
