@@ -673,6 +673,7 @@ fn verif_other_readings_of_a_header_are_stated() {
         ("NB_IMG  = 10 / nombre d'images additionnees", "NB_IMG is 10"),
         ("SUMFRAME= 4", "SUMFRAME is 4"),
         ("STACK_N = 4", "STACK_N is 4"),
+        ("UT      = '03:15:00' / start of stack", "UT is that of a stack"),
         ("NAVERAGE= 4", "NAVERAGE is 4"),
         ("HISTORY Drizzle 6 images", "HISTORY is"),
         ("NSTACKED= 4", "NSTACKED is 4"),

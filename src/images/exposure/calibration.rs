@@ -195,7 +195,8 @@ const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL", "ISOSPEED", "ISO"];
 const MULTIPLICATIONS: &[&str] = &["EMGAIN", "EM-GAIN", "EMREALGN", "MULTGAIN"];
 /// Keywords with the camera or the program that wrote the header, and beginnings of words of those whose gain is a
 /// setting.
-const CAMERAS: &[&str] = &["INSTRUME", "CAMERA", "CAMMODEL", "DETECTOR", "SWCREATE", "CREATOR", "PROGRAM", "SOFTWARE"];
+const CAMERAS: &[&str] =
+    &["INSTRUME", "CAMERA", "CAMMODEL", "DETECTOR", "SWCREATE", "SWMODIFY", "CREATOR", "PROGRAM", "SOFTWARE"];
 const SETTING_CAMERAS: &[&str] = &[
     "zwo",
     "asi",

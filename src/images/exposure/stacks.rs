@@ -45,7 +45,9 @@ const SUMS_OF_FRAMES: &[&str] = &[
 ];
 const COUNT_SUFFIXES: &[&str] = &["COUNT", "CNT", "NUM", "N"];
 /// Other keywords of such numbers.
-const OTHER_COUNTS: &[&str] = &["CRSPLIT", "SUMFRAME", "FRMSUM", "FRAMEAVG", "LIVESTCK"];
+const OTHER_COUNTS: &[&str] = &[
+    "CRSPLIT", "SUMFRAME", "FRMSUM", "FRAMEAVG", "LIVESTCK", "LIVECNT", "COADDED", "TOTFRAME", "TOTALFRM", "IMGCOUNT",
+];
 /// Beginnings of numbered keywords with the names of added files.
 const INPUTS: &[&str] = &["COMB", "CMB", "INP", "PROV", "STACK", "COADD", "FILE", "RAW"];
 /// Keywords of the kind of a frame, and words of stacks, in their values and elsewhere.
@@ -191,6 +193,13 @@ pub fn doubtful(keywords: Keywords<'_>, seconds: f64) -> Option<(String, String)
             || Comment::new(&text).has(COADDING_PROGRAM);
         (is_of_stacks || is_of_sum(&text, seconds)).then(|| (keyword, format!("{:?}", text.trim())))
     };
+    // "Mean time of the stack"
+    let of_times = |card: &Card| {
+        let (keyword, comment) = (card.keyword(), card.comment());
+        let is_time = ["DATE", "MJD", "JD", "UT", "TIME"].iter().any(|name| keyword.starts_with(name));
+        (is_time && Comment::new(&comment).has(STACKS))
+            .then(|| (keyword, format!("that of a stack by its comment {comment:?}")))
+    };
     let is_input = |card: &&Card| {
         let keyword = card.keyword();
         let stem = keyword.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -201,7 +210,10 @@ pub fn doubtful(keywords: Keywords<'_>, seconds: f64) -> Option<(String, String)
         let (mut files, number) = (keywords.cards().filter(is_input), keywords.cards().filter(is_input).count());
         files.next().filter(|_| number > 1).map(|card| (card.keyword(), format!("the first of {number} files")))
     };
-    count().or_else(|| keywords.cards().find_map(in_text)).or_else(inputs)
+    count()
+        .or_else(|| keywords.cards().find_map(in_text))
+        .or_else(|| keywords.cards().find_map(of_times))
+        .or_else(inputs)
 }
 
 /// Returns true if a text is the name of a FITS file, perhaps with an extension in brackets.

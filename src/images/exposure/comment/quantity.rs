@@ -7,7 +7,7 @@ use super::words::{Comment, lists};
 
 /// Words before the size of a unit, as in "units of 10 ms" and "1 tick = 10 ms", and words of steps without a size.
 const SIZED: &str = "unit units tick ticks";
-const STEPS: &str = "ticks jiffies";
+const STEPS: &str = "ticks jiffies cycles clocks lines";
 /// Words beside a duration that may be the size of a unit or a resolution.
 pub(super) const RESOLUTIONS: &str = "unit units tick ticks jiffies step steps increment increments multiple multiples";
 /// Words and signs before a duration that limits the value or is its error.
@@ -77,8 +77,8 @@ impl Comment {
 /// Duration in a comment, in lower case.
 pub(super) struct Quantity {
     pub at: Range<usize>,
-    number: f64,
-    unit_s: f64,
+    pub number: f64,
+    pub unit_s: f64,
     /// True for `1/1000 s`.
     is_fraction: bool,
 }

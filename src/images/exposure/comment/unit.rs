@@ -8,7 +8,7 @@ use super::words::{Comment, EXPOSURE, FRAMES, lists};
 const OTHER_UNITS: &str = "week month year fortnight fps hz khz";
 /// Words of other quantities, as in "shutter speed denominator".
 const NO_TIMES: &str = "speed inverse reciprocal denominator percent ev";
-const NO_UNITS: &str = "series coadds subs lights darks biases flats";
+const NO_UNITS: &str = "temps series focus coadds subs lights darks biases flats";
 /// Last words of the name of an exposure time.
 const EXPOSURE_TIME: &str = "time exposure exp exptime texp integration duration length";
 /// Words of pixels and rows, which divide a unit in comments such as "min/pixel" without another meaning.
@@ -164,7 +164,11 @@ impl Comment {
                 && !word.ends_with("ss")
                 && !lists(NO_UNITS, word)
                 && !lists(RESOLUTIONS, word);
-            let is_alone = words.len() == 1 || marks[2..].iter().any(|mark| follows(mark, word));
+            // "exposure in frames", but not "exposure in this stack"
+            let ends =
+                |at: usize| lower[at + word.len()..].trim_start().chars().next().is_none_or(|c| ",;:.()[]".contains(c));
+            let is_last = lower.match_indices(**word).any(|(at, _)| ends(at));
+            let is_alone = words.len() == 1 || (is_last && marks[2..].iter().any(|mark| follows(mark, word)));
             ([Some(**word), word.strip_suffix('s')].into_iter().flatten().any(|unit| lists(OTHER_UNITS, unit))
                 && is_marked(word))
                 || (is_plural && is_alone && fraction(word).is_none() && seconds_in(word).is_none())
@@ -338,6 +342,9 @@ mod tests {
             ("weeks", Err("the unit weeks".to_owned())),
             ("exposure in years", Err("the unit years".to_owned())),
             ("Exposure (fps)", Err("the unit fps".to_owned())),
+            ("temps", Ok(None)),
+            ("exposure time in this stack", Ok(None)),
+            ("exposure in frames, unguided", Err("the unit frames".to_owned())),
             ("exposure in frames", Err("the unit frames".to_owned())),
             ("exposure of stars in s", Ok(Some(1.0))),
             ("(x6)", Err("a unit divided or multiplied by a number".to_owned())),
@@ -370,6 +377,8 @@ mod tests {
             ("seconds; 1/60 s accuracy", Ok(Some(1.0))),
             ("exposure [ms], dead time 2 s", Ok(Some(1e-3))),
             ("ticks", Err("steps of unknown size".to_owned())),
+            ("clock cycles", Err("steps of unknown size".to_owned())),
+            ("exposure in s (1200 lines)", Ok(Some(1.0))),
             ("exposure (max 30 s)", Ok(None)),
             ("seconds (min 0.1, max 3600)", Ok(Some(1.0))),
             ("exposure (min 0.1, max 3600)", Ok(None)),
