@@ -92,16 +92,30 @@ pub fn with_offset(error: anyhow::Error, zone: &LocalTime) -> anyhow::Error {
     let given = given.trim();
     // A Julian date has no offset.
     let (Ok(local), Err(_)) = (parse_instant(given, Some(TimeScale::UTC)), given.parse::<f64>()) else { return error };
-    // The offset half a day away may differ, so that it is computed again at the time itself.
     let utc = |ahead_h: f64| seconds_after(local, -3600.0 * ahead_h);
-    let text = zone.text(utc(zone.ahead_of_utc_h(utc(zone.ahead_of_utc_h(local)))), 1.0);
-    let offset = text.rsplit(' ').next().unwrap_or_default();
+    // Offsets a day before and after: both are those of the time where clocks are set back, and neither where they are
+    // set forward.
+    let mut offsets: Vec<f64> = [24.0, -24.0].map(|hours| zone.ahead_of_utc_h(utc(hours))).to_vec();
+    offsets.dedup();
+    offsets.retain(|offset_h| zone.ahead_of_utc_h(utc(*offset_h)) == *offset_h);
     // An offset follows a time of day.
     let midnight = if given.contains([':', 'T']) { "" } else { "T00:00" };
+    let given = Quoted::new(given);
+    let with_offset = |offset_h: &f64| {
+        let text = zone.text(utc(*offset_h), 1.0);
+        format!("{given}{midnight}{}", text.rsplit(' ').next().unwrap_or_default())
+    };
+    let local = match &offsets[..] {
+        [] => "another local time (clocks are set forward at this one),".to_owned(),
+        [one] => format!("{} for local time in the given time zone,", with_offset(one)),
+        several => {
+            let several: Vec<String> = several.iter().map(with_offset).collect();
+            format!("{} for local time in the given time zone, which has this one twice,", several.join(" or "))
+        }
+    };
     anyhow!(
-        "{place}time '{given}' has no time scale; allowed: {given}{midnight}{offset} for local time in the given time zone, a time \
-         that ends in Z (UTC), or any time with --time-scale utc, tai or tt",
-        given = Quoted::new(given)
+        "{place}time '{given}' has no time scale; allowed: {local} a time that ends in Z (UTC), or any time with --time-scale utc, \
+         tai or tt"
     )
 }
 
@@ -190,6 +204,14 @@ mod tests {
             let error = parse_instant(given, None).unwrap_err();
             let text = with_offset(error.into(), &zone).to_string();
             assert!(text.contains(&format!("allowed: {with_offset_of} for local time")), "{text}");
+        }
+        for (given, words) in [
+            ("2026-10-25T02:30", "allowed: 2026-10-25T02:30+02:00 or 2026-10-25T02:30+01:00 for local time"),
+            ("2026-03-29T02:30", "clocks are set forward"),
+        ] {
+            let error = parse_instant(given, None).unwrap_err();
+            let text = with_offset(error.into(), &zone).to_string();
+            assert!(text.contains(words), "{text}");
         }
         for other in ["61000.5", "x"] {
             let error = parse_instant(other, None).unwrap_err();

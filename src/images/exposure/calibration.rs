@@ -188,14 +188,15 @@ fn of_amplifiers(
 /// Words in comments of a gain that is a setting of the camera, in its own steps, or of one of its stages.
 const SETTINGS: &str = "db setting settings sensor camera analog analogue digital iso index mode value level percent \
      percentage unitless relative zwo qhy step steps pre preamp preamplifier em emccd multiplication shift bit bits units dial \
-     slider table";
+     slider table unity uv mv volt volts microvolt microvolts x x1 x2 x4 x8";
 /// Keywords that camera programs write beside a gain that is a setting.
 const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL", "ISOSPEED", "ISO"];
 /// Keywords of the multiplication of electrons before the amplifier, by which a gain is to be divided.
 const MULTIPLICATIONS: &[&str] = &["EMGAIN", "EM-GAIN", "EMREALGN", "MULTGAIN"];
 /// Keywords with the camera or the program that wrote the header, and beginnings of words of those whose gain is a
 /// setting.
-const CAMERAS: &[&str] = &["INSTRUME", "CAMERA", "CAMMODEL", "DETECTOR", "SWCREATE", "CREATOR", "PROGRAM", "SOFTWARE"];
+const CAMERAS: &[&str] =
+    &["INSTRUME", "CAMERA", "CAMMODEL", "DETECTOR", "SWCREATE", "SWMODIFY", "CREATOR", "PROGRAM", "SOFTWARE"];
 const SETTING_CAMERAS: &[&str] = &[
     "zwo",
     "asi",
@@ -232,6 +233,8 @@ const SETTING_CAMERAS: &[&str] = &[
 /// Largest gain without a unit that is taken as electrons per count. The 16 bits of most detectors hold a full well of
 /// 100,000 electrons at a gain below 2, and those of infrared arrays at a gain below 20.
 const LARGEST_GAIN_E: f64 = 20.0;
+/// Largest difference between two gains that are taken as the same, a fraction.
+const GAIN_SLACK: f64 = 0.05;
 
 /// Returns the gain, electrons per count. The comment of the keyword may state that the value is the inverse.
 ///
@@ -240,8 +243,13 @@ const LARGEST_GAIN_E: f64 = 20.0;
 fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     let positive = |number: f64| number > 0.0;
     // EGAIN of SharpCap is that of the detector's own bits, and EGAINSAV that of the pixels.
-    let Some((keyword, value, comment)) = keywords.number(&["EGAINSAV", "EGAIN", "GAIN", "CCDGAIN"], positive) else {
-        return Ok(of_amplifiers(keywords, &[], &["GAINA", "GAINB"], mean));
+    let names = ["EGAINSAV", "EGAIN", "GAIN", "CCDGAIN"];
+    let Some((keyword, value, comment)) = keywords.number(&names, positive) else {
+        let pair = of_amplifiers(keywords, &[], &["GAINA", "GAINB"], mean);
+        return match pair {
+            Some(gain) if gain.value > LARGEST_GAIN_E => Err(doubt(&gain.keyword, gain.value, "")),
+            pair => Ok(pair),
+        };
     };
     let words = Comment::new(&comment);
     let joined = comment.to_ascii_lowercase().replace([' ', '(', ')', '[', ']'], "");
@@ -263,12 +271,14 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     let has_unit = is_inverse
         || ["e-/", "e/adu", "e/dn", "e-adu", "e-per", "eperadu", "toe-", "electron", "photon"]
             .iter()
-            .any(|words| joined.contains(words))
-        || keyword != "GAIN" && keyword != "CCDGAIN";
+            .any(|words| joined.contains(words));
     // "0.1dB", "%", "[uV/e-]"
     let in_brackets = comment.trim_start().strip_prefix('[').is_some_and(|unit| !unit.starts_with('e'));
     let has_other_unit = in_brackets || comment.contains('%') || comment.contains("dB");
-    let is_setting = words.has(SETTINGS) || has_other_unit || keywords.number(CAMERA_OFFSETS, |_| true).is_some();
+    // Of electrons by their names.
+    let is_named = keyword.starts_with("EGAIN");
+    let is_of_camera = !is_named && keywords.number(CAMERA_OFFSETS, |_| true).is_some();
+    let is_setting = words.has(SETTINGS) || has_other_unit || is_of_camera;
     let is_camera = CAMERAS.iter().filter_map(|keyword| keywords.text(&[keyword])).any(|(keyword, text)| {
         let lower = text.to_ascii_lowercase();
         let is_of = |word: &str, camera: &str| {
@@ -292,10 +302,22 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         ));
     }
     if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
-        let stated = if comment.is_empty() { String::new() } else { format!(" ({})", words.text()) };
-        return Err(format!("{keyword} is {value}{stated}: a setting of the camera or electrons per count"));
+        return Err(doubt(&keyword, value, &comment));
+    }
+    // "GAIN = 1.0 / e-/ADU" beside EGAIN; a GAIN without a unit is that of the camera.
+    let other = keywords.number(&names[2..], |other| positive(other) && (other / value - 1.0).abs() > GAIN_SLACK);
+    if let Some((other, other_value, comment)) = other.filter(|(other, _, comment)| {
+        *other != keyword && !is_inverse && comment.to_ascii_lowercase().replace(' ', "").contains("e-/adu")
+    }) {
+        return Err(format!("{keyword} is {value}, and {other} is {other_value} ({comment})"));
     }
     Ok(Some(HeaderValue { value: if is_inverse { value.recip() } else { value }, keyword }))
+}
+
+/// Returns the reason why a gain is not used.
+fn doubt(keyword: &str, value: f64, comment: &str) -> String {
+    let stated = if comment.is_empty() { String::new() } else { format!(" ({comment})") };
+    format!("{keyword} is {value}{stated}: a setting of the camera or electrons per count")
 }
 
 fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {

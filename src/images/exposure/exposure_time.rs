@@ -9,13 +9,18 @@ use crate::frames::{seconds_after, seconds_between};
 use super::super::card::CardValue;
 use super::super::header::Header;
 use super::comment::{Comment, Role};
-use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, NAMED_STARTS, unreadable};
-use super::length::{Length, REMARKS, STATED_S, length};
+use super::instant_keywords::{DATES, MODIFIED_DATES, NAMED_STARTS};
+use super::instants::{Instant, Instants, unreadable};
+use super::length::{AGREED_S, Length, STATED_S, length, stated_s};
 use super::moment::{DateText, Keywords, is_spelling, parse_date};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
+use super::stacks::REMARKS;
 
 /// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
 const START_SLACK_S: f64 = 1.0;
+
+/// Error of the difference of two times with the same digits, seconds. One by a whole last digit is no rounding.
+const EXACT_S: f64 = 0.01;
 
 /// Accepted shift of the middle or the end of the exposure by shutters and overheads, as a fraction of the exposure
 /// time.
@@ -36,6 +41,9 @@ const COARSE_S: f64 = 10.0;
 /// Word of TIMESYS for a clock that is not exactly in the scale (`UTC approximate` in the keyword dictionary of NOAO,
 /// <https://iraf.noao.edu/projects/mosaic/imagedef/mosaic/MosaicV1.dic>).
 const APPROXIMATE: &str = "APPROXIMATE";
+
+/// Keywords of the time scale.
+const SCALES: &[&str] = &["TIME-SYS", "TIMESCAL"];
 
 /// Beginnings of keywords of the zone of a local time or its offset from universal time, without hyphens.
 const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
@@ -88,6 +96,8 @@ struct Start {
     epoch: Epoch,
     from: String,
     slack_s: f64,
+    /// Last digit of the seconds as written, seconds.
+    step_s: f64,
 }
 
 impl ExposureTime {
@@ -168,11 +178,13 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
             };
             return Err(Error::invalid(length.keyword.clone(), given, allowed));
         }
-        if late_s.abs() > STATED_S + digits_s {
+        let stated_s = stated_s(length.seconds).max(start.step_s.max(end.step_s()) - EXACT_S);
+        if late_s.abs() > stated_s + digits_s {
             let use_of = &length.keyword;
             remarks.push(format!("{use_of} is {given}: {use_of} is used; for another span specify --exposure"));
         }
-        is_confirmed |= !end.is_loose && late_s <= slack_s && end.slack_s <= COARSE_S;
+        let is_equal = late_s <= slack_s.min(stated_s + digits_s + SHIFT_SLACK * length.seconds);
+        is_confirmed |= !end.is_loose && is_equal && end.slack_s <= COARSE_S;
     }
     Ok(is_confirmed)
 }
@@ -205,6 +217,8 @@ fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
         "TT" | "TDT" | "ET" => TimeScale::TT,
         "TDB" => TimeScale::TDB,
         "GPS" => TimeScale::GPST,
+        // "Coordinated Universal Time"
+        _ if Comment::new(&value).is_universal() && !Comment::new(&value).is_local() => TimeScale::UTC,
         _ => return Err(unreadable(keyword, &value, "UTC, TAI, TT, TDB or GPS")),
     };
     Ok((scale, true))
@@ -214,7 +228,7 @@ fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
 fn timesys(keywords: Keywords<'_>) -> Option<(String, String)> {
     let mut headers = keywords.0.iter().map(|header| Keywords(std::slice::from_ref(header)));
     let of_dates = headers.find(|header| DATES.iter().chain(MODIFIED_DATES).any(|name| header.find(name).is_some()));
-    of_dates.and_then(|header| header.text(&["TIMESYS"])).or_else(|| keywords.text(&["TIMESYS"]))
+    of_dates.and_then(|header| header.text(SCALES)).or_else(|| keywords.text(SCALES))
 }
 
 /// Returns the name of a time scale without its realisation, as in `TT(TAI)`, and without `approximate` (NOAO).
@@ -263,7 +277,15 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
                 "one start; specify --start",
             ));
         }
-        let least_s = if difference_s < 0.0 || approximate.is_some() { START_SLACK_S } else { STATED_S };
+        let step_s = first.step_s.max(other.step_s()) - EXACT_S;
+        let is_loose = other.role == Role::Start && (other.is_loose || other.is_loose_clock);
+        let usual_s = if is_loose { STATED_S } else { stated_s(duration_s).max(step_s) };
+        let least_s = match approximate {
+            Some(_) => START_SLACK_S,
+            None if !is_loose && other.role == Role::Start => AGREED_S.max(step_s),
+            None if difference_s < 0.0 => usual_s.min(START_SLACK_S),
+            None => usual_s,
+        };
         if difference_s.abs() > least_s + digits_s + if other.is_loose { other.slack_s } else { 0.0 } {
             let side = if difference_s > 0.0 { "later" } else { "earlier" };
             remarks.push(format!(
@@ -274,7 +296,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             ));
         }
     }
-    if first.slack_s > START_SLACK_S {
+    if first.slack_s > AGREED_S {
         let from = &first.from;
         remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
@@ -417,7 +439,7 @@ fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
         Some(CardValue::Integer(_) | CardValue::Real(_)) => {
             let is_error =
                 TIME_ERRORS.contains(&card.keyword().as_str()) || Comment::new(&card.comment()).is_of_clock_error();
-            is_error && keywords.number(&[&card.keyword()], |number| number.abs() > START_SLACK_S).is_some()
+            is_error && keywords.number(&[&card.keyword()], |number| number.abs() > AGREED_S).is_some()
         }
         _ => false,
     })?;
@@ -548,5 +570,5 @@ fn start_of(instant: &Instant, duration_s: f64) -> Start {
     if instant.day.is_some_and(|(midnight, part)| part == Some(Role::Start) && epoch < midnight) {
         epoch = seconds_after(epoch, DAY_S);
     }
-    Start { epoch, from: format!("{}{what}", instant.from), slack_s: instant.slack_s }
+    Start { epoch, from: format!("{}{what}", instant.from), slack_s: instant.slack_s, step_s: instant.step_s() }
 }

@@ -7,103 +7,15 @@ use crate::error::Error;
 use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
 use super::super::card::{Card, CardValue};
-use super::comment::{AFTER_EXPOSURE, Comment, Role};
-use super::moment::{
-    DateText, Keywords, at, bare, has_zone, is_spelling, parse_date, parse_date_of, parse_time, resolution,
-    without_offset,
+use super::comment::{AFTER_EXPOSURE, Comment, FRAMES, Role};
+use super::instant_keywords::{
+    CLOCKS, DATES, END_TIMES, ENDS, JULIAN_DATES, LOCAL_TIMES, LOOSE_DATES, LOOSE_TIMES, MIDDLES, MODIFIED_DATES,
+    NAMED_STARTS, OTHER_DATES, OTHER_STARTS, OUTERMOST, SHUTTER, TIMES, UNIVERSAL_DATES,
 };
-
-/// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
-pub(super) const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
-
-/// Keywords with the time of day of the start, used together with a date.
-const TIMES: &[&str] = &[
-    "TIME-BEG",
-    "UTC-OBS",
-    "TIME-OBS",
-    "UT-OBS",
-    "UT-START",
-    "UT-STR",
-    "UTC-START",
-    "UTC-STR",
-    "TM-START",
-    "UTSHUT",
-    "TAIHMS",
-];
-
-/// Keywords with a time of day that is not the start at some observatories. They are used only if no keyword of
-/// [`TIMES`] exists.
-const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
-
-/// Keywords with the modified Julian date of the start.
-pub(super) const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
-
-/// Keywords with the Julian date of the start.
-const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];
-
-/// Keywords of the start that contain a date, a Julian date or a time of day.
-const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "SHUT-OPEN"];
-
-/// Keywords of dates that are used only if no other keyword gives the start.
-const LOOSE_DATES: &[&str] = &["MJD", "JD"];
-
-/// Keywords of the middle and of the end of the exposure.
-const MIDDLES: &[&str] = &[
-    "DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID", "UT-MID", "UTC-MID", "TIME-MID",
-    "MIDTIME",
-];
-const ENDS: &[&str] = &[
-    "DATE-END",
-    "MJD-END",
-    "JD-END",
-    "EXP-END",
-    "DATE-STOP",
-    "DATE-STP",
-    "MJD-STOP",
-    "MJD-STP",
-    "JD-STOP",
-    "EXP-STOP",
-];
-
-/// Keywords with the time of day of the end. At some observatories it includes the readout, so that they only show that
-/// an exposure time is far too short.
-const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UTC-STOP", "TIME-STOP", "TM-END"];
-
-/// Keywords whose names state that they refer to the start.
-pub(super) const NAMED_STARTS: &[&str] = &[
-    "DATE-BEG",
-    "DATE-STR",
-    "MJD-BEG",
-    "MJD-STR",
-    "MJD-START",
-    "JD-START",
-    "JD-BEG",
-    "JD-STR",
-    "DATE-START",
-    "EXP-START",
-    "SHUT-OPEN",
-    "TIME-BEG",
-    "UT-START",
-    "UT-STR",
-    "UTC-START",
-    "UTC-STR",
-    "TM-START",
-];
-
-/// Words before or after those of [`CLOCKS`] in keywords of the first and the last of several exposures, as in UTC-LAST and
-/// MINJD.
-const OUTERMOST: &[(Role, &str)] =
-    &[(Role::Start, "FIRST"), (Role::Start, "FRST"), (Role::Start, "MIN"), (Role::End, "LAST"), (Role::End, "MAX")];
-const CLOCKS: &[&str] = &["UT", "UTC", "TIME", "DATE", "JD", "MJD", "OBS", "EXP", "DATEOBS", "JDOBS", "MJDOBS"];
-
-/// Keyword of the opening of the shutter (DECam), which is about that of DATE-OBS, but is 33 s earlier in some frames.
-const SHUTTER: &str = "OPENSHUT";
-
-/// Keywords of the date in universal time, beside a date that may be that of the night.
-const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"];
-
-/// Keywords of local times.
-const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "LT"];
+use super::moment::{
+    DateText, Keywords, at, bare, date_and_time, has_zone, is_spelling, parse_date, parse_date_of, parse_time,
+    resolution, without_offset,
+};
 
 /// Keywords of devices, and a device whose DATE-OBS is the time at which its image was created, the end of the exposure (so
 /// read by the Seestar Photometry Stack for Siril, <https://gitlab.com/Aquarius58/siril-seestar-stack>; its maker documents
@@ -143,6 +55,18 @@ pub struct Instant {
     pub day: Option<(Epoch, Option<Role>)>,
 }
 
+impl Instant {
+    /// Returns the last digit of the seconds of a date and time, seconds; 0 for a number of days.
+    pub fn step_s(&self) -> f64 {
+        let seconds = self.value.contains(':').then(|| self.value.rsplit(':').next().unwrap_or_default());
+        let decimals = |seconds: &str| {
+            let digits = seconds.split(['.', ',']).nth(1).unwrap_or_default();
+            digits.bytes().take_while(u8::is_ascii_digit).count() as i32
+        };
+        seconds.map_or(0.0, |seconds| 10f64.powi(-decimals(seconds)))
+    }
+}
+
 /// Instants of a header in order of precedence, and the reasons why others are not used.
 #[derive(Default)]
 pub struct Instants {
@@ -173,14 +97,15 @@ impl Instants {
         let lists = [DATES, TIMES, MODIFIED_DATES, JULIAN_DATES, OTHER_STARTS, MIDDLES, ENDS];
         keywords.are_unique(lists.into_iter().flatten().copied())?;
         let mut reader = Reader { keywords, scale, is_stated, tried: Vec::new(), instants: Self::default() };
-        for keyword in DATES {
-            reader.date(keyword)?;
+        for keyword in DATES.iter().flat_map(|keyword| keywords.spellings(keyword)) {
+            reader.date(&keyword)?;
         }
         // "UTDATE" of the AAT
         if DATES.iter().all(|keyword| keywords.find(keyword).is_none()) {
-            for keyword in UNIVERSAL_DATES {
+            for keyword in UNIVERSAL_DATES.iter().chain(OTHER_DATES) {
                 let text = keywords.text(&[keyword]).map(|(_, text)| text);
-                if text.is_some_and(|text| matches!(parse_date(&text, scale), DateText::Day(_))) {
+                let date = text.map(|text| parse_date(&text, scale));
+                if matches!(date, Some(DateText::Day(_) | DateText::Moment(_))) {
                     reader.date(keyword)?;
                 }
             }
@@ -239,7 +164,14 @@ struct Reader<'a> {
 impl Reader<'_> {
     /// Reads a keyword of [`DATES`], with a time of day in another keyword if it has none.
     fn date(&mut self, keyword: &str) -> Result<(), Error> {
-        let Some((from, value, comment)) = self.keywords.text_and_comment(keyword) else { return Ok(()) };
+        let Some((from, value, comment)) = self.keywords.text_and_comment(keyword).or_else(|| self.basic(keyword))
+        else {
+            return if self.keywords.number(&[keyword], is_day_number).is_some() {
+                self.days(keyword, Role::Start, false)
+            } else {
+                Ok(())
+            };
+        };
         let scale = self.scale_of(&comment);
         match parse_date_of(keyword, &value, scale) {
             DateText::Moment(epoch) => self.add(instant(epoch, from, Role::Start), &value, &[comment]),
@@ -268,6 +200,13 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Returns a date that is written as a number, such as 20260822, as text.
+    fn basic(&self, keyword: &str) -> Option<(String, String, Comment)> {
+        let is_date = |number: f64| number.fract() == 0.0 && (19_000_101.0..22_000_101.0).contains(&number);
+        let (name, number, comment) = self.keywords.number(&[keyword], is_date)?;
+        Some((name, number.to_string(), Comment::new(&comment)))
+    }
+
     /// Reads dates, times and day numbers in other keywords whose name or comment states the middle, the end, or the first
     /// or last of several exposures, such as OBS-END, MIDMJD and UTC-LAST.
     fn other_parts(&mut self) {
@@ -293,7 +232,7 @@ impl Reader<'_> {
         for card in self.keywords.cards().filter(may_be_date) {
             let name = card.keyword();
             let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
-            let named = if has(&["MID"]) {
+            let named = if has(&["MID"]) || (has(&["MEAN", "AVG"]) && has(&["JD", "DATE", "TIME", "UT", "OBS"])) {
                 Some(Role::Middle)
             } else {
                 has(&["END", "STOP", "CLOS", "FIN"]).then_some(Role::End)
@@ -304,8 +243,11 @@ impl Reader<'_> {
                 rest.is_some_and(|rest| CLOCKS.contains(&rest))
             });
             let comment = Comment::new(&card.comment());
+            // "UTC of the last frame"
+            let is_last = comment.has_pair("last final", FRAMES);
             let outermost = outermost.map(|(role, _)| *role).or((bare == SHUTTER).then_some(Role::Start));
-            let role = match (outermost, comment.role(named)) {
+            let outermost = outermost.or(is_last.then_some(Role::End));
+            let role = match (outermost, if is_last { Ok(None) } else { comment.role(named) }) {
                 (Some(role), Ok(_)) if comment.scale().is_ok() => role,
                 (None, Ok(Some(role))) if role != Role::Start && comment.scale().is_ok() => role,
                 _ => continue,
@@ -559,7 +501,7 @@ impl Reader<'_> {
         };
         match role {
             Ok(role) => {
-                let clock = without_offset(value).0.rsplit(['T', 't', ' ']).next();
+                let (_, clock) = date_and_time(without_offset(value).0);
                 let is_without_seconds = clock.is_some_and(|clock| clock.matches(':').count() == 1);
                 let slack_s = if is_without_seconds { MINUTE_S } else { instant.slack_s };
                 let stated_s = comments.iter().filter_map(Comment::uncertainty_s);
@@ -593,20 +535,19 @@ fn instant(epoch: Epoch, from: String, role: Role) -> Instant {
     Instant { epoch, from, value: String::new(), slack_s: 0.0, role, is_loose: false, is_loose_clock: false, day: None }
 }
 
+/// Returns true for Julian dates and modified Julian dates of this century.
+fn is_day_number(number: f64) -> bool {
+    (51_544.0..88_069.0).contains(&number) || (2_451_544.5..2_488_069.5).contains(&number)
+}
+
 fn states_start(comment: &Comment) -> bool {
     matches!(comment.role(None), Ok(Some(Role::Start)))
 }
 
 /// Returns the time of day in a text such as `8/21/2026 08:14:59 PM DST`, seconds.
 fn clock_in(text: &str) -> Option<f64> {
-    let word = text.split([' ', 'T']).find(|word| word.contains(':'))?;
-    let ([hours, minutes], seconds) = parse_time(word)?;
-    let upper = text.to_ascii_uppercase();
-    let hours = match hours {
-        12 if upper.contains("AM") => 0,
-        1..12 if upper.contains("PM") => hours + 12,
-        hours => hours,
-    };
+    let (_, time) = date_and_time(without_offset(text).0);
+    let ([hours, minutes], seconds) = parse_time(&time?)?;
     Some(f64::from(3600 * hours + 60 * minutes) + seconds)
 }
 

@@ -2,6 +2,7 @@
 
 use hifitime::{Epoch, TimeScale};
 
+use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::seconds_after;
 use crate::images::card::{Card, CardValue};
@@ -22,26 +23,26 @@ pub(super) enum DateText {
     Unreadable,
 }
 
-/// Returns a text without "Z", "UTC", "UT" or "GMT" at its end.
+/// Returns a text without "Z", "UTC", "UT" or "GMT" at its end, perhaps in brackets.
 fn without_universal(text: &str) -> &str {
-    let text = text.trim();
+    let text = text.trim_matches([' ', '[', ']', '(', ')']);
     let ends = ["z", "utc", "ut", "gmt"].into_iter().find(|end| text.to_ascii_lowercase().ends_with(end));
-    ends.map_or(text, |end| text[..text.len() - end.len()].trim_end())
+    ends.map_or(text, |end| text[..text.len() - end.len()].trim_end_matches([' ', '[', '(']))
 }
 
-/// Splits the offset from universal time off a date with a time (ISO 8601), as in `2020-03-06T00:04:15-07:00`. Returns the
-/// rest and the offset in seconds.
+/// Splits the offset from universal time off a date with a time (ISO 8601), as in `2020-03-06T00:04:15-07:00` and
+/// `2020-03-06 00:04:15 UTC-7`. Returns the rest and the offset in seconds.
 pub(super) fn without_offset(text: &str) -> (&str, f64) {
     let text = without_universal(text);
     let split = || {
         let time = text.find(':')?;
         let at = time + text[time..].rfind(['+', '-'])?;
-        let (hours, minutes) =
-            text[at + 1..].split_once(':').unwrap_or((text.get(at + 1..at + 3)?, text.get(at + 3..)?));
+        let digits = &text[at + 1..];
+        let (hours, minutes) = digits.split_once(':').or_else(|| digits.split_at_checked(2)).unwrap_or((digits, ""));
         let minutes = if minutes.is_empty() { 0 } else { minutes.parse::<u32>().ok()? };
         let hours = hours.parse::<u32>().ok().filter(|hours| *hours <= 14 && minutes < 60)?;
         let sign = if text[at..].starts_with('-') { -1.0 } else { 1.0 };
-        Some((&text[..at], sign * f64::from(3600 * hours + 60 * minutes)))
+        Some((without_universal(&text[..at]), sign * f64::from(3600 * hours + 60 * minutes)))
     };
     split().unwrap_or((text, 0.0))
 }
@@ -54,10 +55,11 @@ pub(super) fn has_zone(text: &str) -> bool {
 /// First year with satellites, of years with two digits.
 const FIRST_YEAR: u32 = 1957;
 const MONTHS: &str = "jan feb mar apr may jun jul aug sep oct nov dec";
+const WEEKDAYS: &str = "mon tue wed thu fri sat sun";
 
 /// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank or an underscore may replace the T, slashes, dots or nothing the
-/// hyphens, and an offset from universal time may follow. A year of two or three digits counts from 1900. Dates that end with
-/// the year are read if they exist in only one order, as `22.08.2026` and `22-Aug-2026`.
+/// hyphens, and an offset from universal time may follow. A year of two or three digits counts from 1900. Dates in another
+/// order are read if they exist in only one order, as `22.08.2026`, `Aug 22, 2026`, and `2026-234` with the day of the year.
 pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     parse_date_of("", text, scale)
 }
@@ -66,72 +68,140 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
 /// 4.4.2.1).
 pub(super) fn parse_date_of(keyword: &str, text: &str, scale: TimeScale) -> DateText {
     let (text, offset_s) = without_offset(text);
-    // Not the T in "Oct".
-    let is_separator = |at: &usize| match text.as_bytes()[*at] {
-        b'T' | b't' => text.as_bytes()[at - 1].is_ascii_digit(),
-        mark => mark == b' ' || mark == b'_',
-    };
-    let (day, time) = match (1..text.len()).find(is_separator) {
-        Some(at) => (&text[..at], Some(text[at + 1..].trim())),
-        None => (text, None),
-    };
-    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
-    // "20260822T031500"
-    let split = |text: &str, sign: char| match (text.get(..2), text.get(2..4), text.get(4..)) {
-        (Some(a), Some(b), Some(c)) => format!("{a}{sign}{b}{sign}{c}"),
-        _ => text.to_owned(),
-    };
-    let day = if day.len() == 8 && is_digits(day) {
-        format!("{}{}", &day[..2], split(&day[2..], '-'))
-    } else {
-        day.to_owned()
-    };
-    let time = time.map(|time| if time.get(..6).is_some_and(is_digits) { split(time, ':') } else { time.to_owned() });
-    // "2026:08:22" (AAT, EXIF)
-    let is_with_colons = day.find(':') == Some(4);
-    let parts: Vec<&str> = day.split(|c| matches!(c, '-' | '/' | '.') || (c == ':' && is_with_colons)).collect();
-    let &[first, middle, last] = &parts[..] else { return DateText::Unreadable };
-    let named =
-        MONTHS.split(' ').position(|month| middle.get(..3).is_some_and(|name| name.eq_ignore_ascii_case(month)));
-    let number = |text: &str| text.parse::<u32>().ok().filter(|_| text.len() <= 4 && is_digits(text));
-    let middle = named.map(|month| month as u32 + 1).or_else(|| number(middle));
-    let (Some(a), Some(b), Some(c)) = (number(first), middle, number(last)) else { return DateText::Unreadable };
-    let exists = |day: &[u32; 3]| at(*day, [0, 0], 0.0, scale).is_some();
-    let date = if first.len() == 4 {
-        [a, b, c]
-    } else {
-        let is_short = last.len() < 4;
-        let year = if is_short { 1900 + c } else { c };
-        let orders = [[year, b, a], [year, a, b]].into_iter().take(if named.is_some() { 1 } else { 2 });
-        let mut readings: Vec<[u32; 3]> = orders.filter(|day| exists(day) && year >= FIRST_YEAR).collect();
-        readings.dedup();
-        match readings[..] {
-            [date] => date,
-            [date, _] if is_short && day.contains('/') && keyword == "DATE-OBS" => date,
-            _ => return DateText::Unclear,
+    let (day, time) = date_and_time(text);
+    let is_of_standard = is_spelling("DATE-OBS", keyword) && day.contains('/');
+    match (parse_day(&day, is_of_standard, scale), time) {
+        (DateText::Day(date), Some(time)) => {
+            let epoch = parse_time(&time).and_then(|(clock, seconds)| at(date, clock, seconds, scale));
+            epoch.map_or(DateText::Unreadable, |epoch| DateText::Moment(seconds_after(epoch, -offset_s)))
         }
-    };
-    let moment = |time: String| {
-        let (clock, seconds) = parse_time(&time)?;
-        Some(DateText::Moment(seconds_after(at(date, clock, seconds, scale)?, -offset_s)))
-    };
-    match time {
-        None if exists(&date) => DateText::Day(date),
-        None => DateText::Unreadable,
-        Some(time) => moment(time).unwrap_or(DateText::Unreadable),
+        (date, _) => date,
     }
 }
 
-/// Parses `hh:mm:ss.sss`, also with a decimal comma. Returns hours and minutes, and the seconds with their fraction.
+/// Splits a text into its date and its time of day. The time follows a T or a numeric date, or is the word with a colon, as
+/// in `Sat Aug 22 03:15:00 2026`.
+pub(super) fn date_and_time(text: &str) -> (String, Option<String>) {
+    let bytes = text.as_bytes();
+    // Not the T in "Oct".
+    let is_separator = |at: &usize| {
+        matches!(bytes[*at], b'T' | b't') && bytes[at - 1].is_ascii_digit() && !bytes[at + 1].is_ascii_alphabetic()
+    };
+    if let Some(at) = (1..text.len().saturating_sub(1)).find(is_separator) {
+        return (text[..at].to_owned(), Some(text[at + 1..].trim().to_owned()));
+    }
+    let mut words: Vec<&str> = text.split([' ', '_']).filter(|word| !word.is_empty()).collect();
+    // "2026:234:03:15:00"
+    if let [word] = words[..]
+        && let Some((day, _)) = word.rmatch_indices(':').nth(2).map(|(at, _)| word.split_at(at))
+        && day.contains(':')
+    {
+        return (day.to_owned(), Some(word[day.len() + 1..].to_owned()));
+    }
+    // "2026:08:22" (AAT, EXIF) is a date.
+    let clock = words.iter().position(|word| word.find(':').is_some_and(|at| at != 4));
+    if let Some(at) = clock {
+        let is_half = |word: &&str| ["AM", "PM"].iter().any(|half| half.eq_ignore_ascii_case(word));
+        let end = at + 1 + usize::from(words.get(at + 1).is_some_and(is_half));
+        let time = words.drain(at..end).collect::<Vec<&str>>().join(" ");
+        return (words.join(" "), Some(time));
+    }
+    match words[..] {
+        [day, ref time @ ..] if !time.is_empty() && day.len() >= 8 && bytes[0].is_ascii_digit() => {
+            (day.to_owned(), Some(time.join(":")))
+        }
+        _ => (words.join(" "), None),
+    }
+}
+
+/// Parses a date without a time. `is_of_standard` is true for a date of the FITS standard with slashes.
+fn parse_day(text: &str, is_of_standard: bool, scale: TimeScale) -> DateText {
+    // "22Aug2026"
+    let mut spaced = String::new();
+    for c in text.chars() {
+        if spaced.ends_with(|last: char| last.is_ascii_digit() != c.is_ascii_digit()) {
+            spaced.push(' ');
+        }
+        spaced.push(c);
+    }
+    let listed = |list: &str, word: &str| {
+        list.split(' ').position(|name| word.get(..3).is_some_and(|start| start.eq_ignore_ascii_case(name)))
+    };
+    // Numbers with the count of their digits.
+    let (mut numbers, mut month): (Vec<(usize, u32)>, Option<u32>) = (Vec::new(), None);
+    for word in spaced.split(['-', '/', '.', ':', ',', ' ']).filter(|word| !word.is_empty()) {
+        match (word.parse(), listed(MONTHS, word)) {
+            (Ok(number), _) => numbers.push((word.len(), number)),
+            (_, Some(name)) if month.is_none() => month = Some(name as u32 + 1),
+            _ if listed(WEEKDAYS, word).is_some() => {}
+            _ => return DateText::Unreadable,
+        }
+    }
+    let exists = |day: &[u32; 3]| at(*day, [0, 0], 0.0, scale).is_some();
+    let one = |date: Option<[u32; 3]>| date.filter(exists).map_or(DateText::Unreadable, DateText::Day);
+    let (orders, digits) = match (&numbers[..], month) {
+        (&[(8, date)], None) => return one(Some([date / 10_000, date / 100 % 100, date % 100])),
+        (&[(7, date)], None) => return one(day_of_year(date / 1000, date % 1000, scale)),
+        (&[(4, year), (3, day)], None) => return one(day_of_year(year, day, scale)),
+        (&[(4, year), (1 | 2, month), (1 | 2, day)], None) | (&[(4, year), (1 | 2, day)], Some(month)) => {
+            return one(Some([year, month, day]));
+        }
+        (&[(1 | 2, day), (digits @ 1..=4, year)], Some(month)) => (vec![[year, month, day]], digits),
+        (&[(1 | 2, a), (1 | 2, b), (digits @ 1..=4, year)], None) => (vec![[year, b, a], [year, a, b]], digits),
+        _ => return DateText::Unreadable,
+    };
+    let is_short = digits < 4;
+    let full = |[year, month, day]: [u32; 3]| [if is_short { 1900 + year } else { year }, month, day];
+    let readings = orders.into_iter().map(full).filter(|day| exists(day) && day[0] >= FIRST_YEAR);
+    let mut readings: Vec<[u32; 3]> = readings.collect();
+    readings.dedup();
+    match readings[..] {
+        [date] => DateText::Day(date),
+        [date, _] if is_short && is_of_standard => DateText::Day(date),
+        _ => DateText::Unclear,
+    }
+}
+
+/// Returns the date of a day of the year, as in `2026-234`.
+fn day_of_year(year: u32, day: u32, scale: TimeScale) -> Option<[u32; 3]> {
+    // Noon, because a day may have a leap second.
+    let noon = seconds_after(at([year, 1, 1], [12, 0], 0.0, scale)?, (f64::from(day) - 1.0) * DAY_S);
+    let (found, month, day, ..) = noon.to_gregorian(scale);
+    (u32::try_from(found) == Ok(year)).then_some([year, month.into(), day.into()])
+}
+
+/// Parses `hh:mm:ss.sss`, also with a decimal comma, AM or PM, and other signs or none between the numbers, as in
+/// `03h15m00s`, `03 15 00` and `031500`. Returns hours and minutes, and the seconds with their fraction.
 pub(super) fn parse_time(text: &str) -> Option<([u32; 2], f64)> {
-    let parts: Vec<&str> = without_universal(text).split(':').collect();
+    let lower = without_universal(text).to_ascii_lowercase().replace(',', ".");
+    let half = ["am", "pm"].iter().position(|half| lower.ends_with(half));
+    let mut text = lower.trim_end_matches(['a', 'p', 'm', ' ']).to_owned();
+    if !text.contains(':') {
+        let is_basic = text.len() >= 6 && text.split('.').next().is_some_and(|digits| digits.len() == 6);
+        text = if is_basic && text.is_char_boundary(2) && text.is_char_boundary(4) {
+            format!("{}:{}:{}", &text[..2], &text[2..4], &text[4..])
+        } else if text.matches('.').count() == 2 {
+            text.replace('.', ":")
+        } else {
+            text.trim_end_matches('s').replace(['h', 'm', ' ', '-'], ":")
+        };
+        if text.matches(':').count() != 2 {
+            return None;
+        }
+    }
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
     let [hours, minutes, ref rest @ ..] = parts[..] else { return None };
     let seconds = match rest {
         [] => 0.0,
-        [seconds] => seconds.replace(',', ".").parse::<f64>().ok()?,
+        [seconds] => seconds.parse::<f64>().ok()?,
         _ => return None,
     };
-    let clock = [hours.parse().ok()?, minutes.parse().ok()?];
+    let hours = match (hours.parse::<u32>().ok()?, half) {
+        (12, Some(0)) => 0,
+        (hours @ 1..12, Some(1)) => hours + 12,
+        (hours, _) => hours,
+    };
+    let clock = [hours, minutes.parse().ok()?];
     (clock[0] < 24 && clock[1] < 60 && (0.0..61.0).contains(&seconds)).then_some((clock, seconds))
 }
 
@@ -174,6 +244,12 @@ impl<'a> Keywords<'a> {
             let has_value = |name: &&String| header.number(name).is_some() || header.text(name).is_some();
             names.iter().find(has_value).map(|name| (*header, name.clone()))
         })
+    }
+
+    /// Returns the spellings of a keyword that are in the headers, as [`find`](Self::find) reads them.
+    pub fn spellings(self, keyword: &str) -> Vec<String> {
+        let names = [keyword.to_owned(), keyword.replace('-', "_"), keyword.replace('-', "")];
+        names.into_iter().filter(|name| self.0.iter().any(|header| header.contains(name))).collect()
     }
 
     /// Checks that none of several keywords is twice in a header with different values (FITS standard 4.0, section
@@ -281,6 +357,17 @@ mod tests {
             "6-Mar-2020 00:04:15.410235+00:00",
             "6/3/120 00:04:15.410235",
             "2020-Mar-06 00:04:15.410235",
+            "Mar 6, 2020 00:04:15.410235",
+            "06Mar2020 12:04:15.410235 AM",
+            "Fri Mar  6 00:04:15.410235 2020",
+            "Fri, 6 March 2020 00:04:15.410235 GMT",
+            "2020-066T00:04:15.410235",
+            "2020:066:00:04:15.410235",
+            "2020066T000415.410235",
+            "2020-03-06 00 04 15.410235",
+            "2020-03-06T00h04m15.410235s",
+            "2020-03-05 17:04:15.410235 UTC-7",
+            "2020-03-06 00:04:15.410235 [UTC]",
         ] {
             assert_eq!(at(text), expected, "{text}");
         }
@@ -295,6 +382,7 @@ mod tests {
             ("05/06/92", [1992, 6, 5]),
             ("26/07/102", [2002, 7, 26]),
             ("2-Oct-2026", [2026, 10, 2]),
+            ("2024-366", [2024, 12, 31]),
         ] {
             assert_eq!(at(text), DateText::Day(day), "{text}");
         }
@@ -303,16 +391,32 @@ mod tests {
             assert!(has_zone(text), "{text}");
         }
         assert!(!has_zone(" 2026-08-22T03:15:00"));
-        for text in ["06/03/2020", "06.03.2020 00:04:15", "20-12-09", "26/10/20", "05-06-92"] {
+        for text in ["06/03/2020", "06.03.2020 00:04:15", "20-12-09", "26/10/20", "05-06-92", "22-Aug-26"] {
             assert_eq!(at(text), DateText::Unclear, "{text}");
         }
-        for text in
-            ["", "yesterday", "2020-13-01", "2020-02-30", "2020-03-06T25:00:00", "2020-03-06T00:61:00", "2020-03"]
-        {
+        for text in [
+            "",
+            "yesterday",
+            "2020-13-01",
+            "2020-02-30",
+            "2020-03-06T25:00:00",
+            "2020-03-06T00:61:00",
+            "2020-03",
+            "2023-366",
+            "2020-03-06 late",
+            "Mar Apr 2020",
+        ] {
             assert_eq!(at(text), DateText::Unreadable, "{text}");
         }
         assert_eq!(parse_time("19:36:37.5"), Some(([19, 36], 37.5)));
         assert_eq!(parse_time("19:36"), Some(([19, 36], 0.0)));
-        assert_eq!(parse_time("70577.1"), None);
+        for (text, clock) in
+            [("7:36:37 PM", [19, 36]), ("12:36:37am", [0, 36]), ("19 36 37", [19, 36]), ("193637", [19, 36])]
+        {
+            assert_eq!(parse_time(text), Some((clock, 37.0)), "{text}");
+        }
+        for text in ["70577.1", "19h36", "-19 36 37", "late", "3.25"] {
+            assert_eq!(parse_time(text), None, "{text}");
+        }
     }
 }

@@ -5,6 +5,7 @@ use crate::geometry::{SAME_SITE_KM, Site};
 
 use super::super::header::Header;
 use super::comment::Comment;
+use super::instants::unreadable;
 use super::moment::Keywords;
 
 /// Position of the observatory, m, in the International Terrestrial Reference Frame (FITS standard 4.0, section 9.2.3).
@@ -21,11 +22,23 @@ const NAMES: [&str; 7] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SI
 /// Keyword of codes such as `coj` (Las Cumbres Observatory). Codes of the Minor Planet Center are not looked up, because
 /// numbers have another meaning in other headers.
 const SITE_CODE: &str = "SITEID";
+/// Keywords of codes of the Minor Planet Center.
+const MPC_CODES: &[&str] = &["MPC-CODE", "OBS-CODE", "IAU-CODE"];
 const LAS_CUMBRES: [&str; 7] = ["coj", "cpt", "elp", "lsc", "ogg", "tfn", "tlv"];
 /// Keywords of latitude and longitude that do not give the site, because no standard defines the sign and the unit of
 /// the longitude. They must agree with the name of the site in one of the usual senses.
-const LATITUDES: &[&str] =
-    &["SITE-LAT", "OBS-LAT", "LAT-OBS", "LATITUDE", "GEO-LAT", "TEL-LAT", "LAT", "ESO TEL GEOLAT"];
+const LATITUDES: &[&str] = &[
+    "SITE-LAT",
+    "OBS-LAT",
+    "LAT-OBS",
+    "LATITUD",
+    "LATITUDE",
+    "GEO-LAT",
+    "TEL-LAT",
+    "LAT",
+    "ESO TEL GEOLAT",
+    "OBSGEO-B",
+];
 const LONGITUDES: &[&str] = &[
     "SITE-LONG",
     "SITE-LON",
@@ -42,7 +55,10 @@ const LONGITUDES: &[&str] = &[
     "LON",
     "LONG",
     "ESO TEL GEOLON",
+    "OBSGEO-L",
 ];
+/// Largest height without a unit, m. Higher ones may be in feet.
+const HIGHEST_M: f64 = 9000.0;
 /// Largest accepted difference of these from the site, degrees.
 const ROUGH_DEG: f64 = 0.5;
 
@@ -89,6 +105,11 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
         }
         stated.push((format!("{}, ...", names[0]), site));
     }
+    for keyword in MPC_CODES {
+        let number = keywords.number(&[keyword], |_| true).map(|(name, number, _)| (name, format!("{number:03}")));
+        let code = keywords.text(&[keyword]).or(number);
+        stated.extend(code.and_then(|(name, code)| Some((format!("{name} {code:?}"), Site::from_mpc(&code).ok()?))));
+    }
     // Names of several sites, and of sites that are part of an unknown name.
     let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
     let mut hints: Vec<(String, Vec<&Site>)> = Vec::new();
@@ -111,7 +132,11 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
                 hints.extend(Site::with_key(word).map(|site| (shown, vec![site])));
             }
             [site] => stated.push((shown, (*site).clone())),
-            sites => networks.push((shown, sites.to_vec())),
+            // The latitude and the longitude decide between the sites of a network.
+            sites => match sites.iter().filter(|site| compared(keywords, site, true).is_ok()).collect::<Vec<_>>()[..] {
+                [site] => stated.push((shown, (*site).clone())),
+                _ => networks.push((shown, sites.to_vec())),
+            },
         }
     }
     let Some((first_from, first)) = stated.first() else {
@@ -146,20 +171,45 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
     }
 }
 
-/// Returns a number of [`CARTESIAN`] or [`GEODETIC`], in metres or degrees, with the unit that its comment states.
+/// Returns a number of [`CARTESIAN`] or [`GEODETIC`], in metres or degrees, with the unit that its comment states. It may be
+/// a text such as `30 14 40 S` or `2663 m`.
 fn coordinate(keywords: Keywords<'_>, name: &str) -> Option<Result<f64, Error>> {
-    let (keyword, value, text) = keywords.number(&[name], |_| true)?;
+    let (header, keyword) = keywords.find(name)?;
+    let is_angle = name == GEODETIC[0] || name == GEODETIC[1];
+    let (value, text) = match (header.number(&keyword), header.text(&keyword)) {
+        (Some(value), _) => (value, header.comment(&keyword)),
+        (None, Some(text)) if is_angle => {
+            let Some(value) = degrees(&text) else {
+                let allowed = "degrees such as -30.2446, -30:14:40 or '30 14 40 S', or for example --site";
+                return Some(Err(unreadable(keyword, &text, allowed)));
+            };
+            (value, header.comment(&keyword))
+        }
+        (None, text) => {
+            let text = text?;
+            let (number, unit) = text.split_at(text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len()));
+            let Ok(number) = number.trim().parse() else {
+                return Some(Err(unreadable(keyword, &text, "a number of metres, or for example --site")));
+            };
+            (number, format!("[{unit}]"))
+        }
+    };
     let comment = Comment::new(&text);
     let bracket =
         text.trim_start().strip_prefix('[').and_then(|rest| rest.split_once(']')).map(|(unit, _)| unit.trim());
-    let is_angle = name == GEODETIC[0] || name == GEODETIC[1];
-    let units: [(f64, &str); 3] = if is_angle {
-        [(1.0, "deg degree degrees"), (1f64.to_degrees(), "rad radian radians"), (1.0 / 60.0, "arcmin")]
+    let units: [(f64, &str); 4] = if is_angle {
+        [
+            (1.0, "deg degree degrees"),
+            (1f64.to_degrees(), "rad radian radians"),
+            (1.0 / 60.0, "arcmin"),
+            (15.0, "h hour hours"),
+        ]
     } else {
         [
             (1.0, "m meter meters metre metres"),
             (1e3, "km kilometer kilometers kilometre kilometres"),
             (0.3048, "ft foot feet"),
+            (1e-2, "cm"),
         ]
     };
     let stated = Comment::new(bracket.unwrap_or(&text));
@@ -168,8 +218,9 @@ fn coordinate(keywords: Keywords<'_>, name: &str) -> Option<Result<f64, Error>> 
     let is_reversed = value > 0.0
         && ((name == GEODETIC[1] && comment.has("west w") && !comment.has("east e"))
             || (name == GEODETIC[0] && comment.has("south s") && !comment.has("north n")));
+    let is_too_high = name == GEODETIC[2] && factor.is_none() && value > HIGHEST_M;
     Some(match factor.or(bracket.is_none().then_some(1.0)) {
-        Some(factor) if !is_reversed => Ok(factor * value),
+        Some(factor) if !is_reversed && !is_too_high => Ok(factor * value),
         _ => {
             let allowed = "degrees to the north and east, and metres, or for example --site, --mpc or --lat and --lon";
             Err(Error::invalid(keyword, format!("{value} (comment {text:?})"), allowed))
@@ -192,8 +243,10 @@ pub(super) fn longitude_of_unknown_sense_deg(keywords: Keywords<'_>) -> Option<f
 /// The reason why the latitude or the longitude is that of another place in any usual sense, or in the sense that its
 /// comment states, unless the site has a name (DECam writes 70.81 as "east longitude").
 fn compared(keywords: Keywords<'_>, site: &Site, is_named: bool) -> Result<Option<String>, String> {
+    // Latitude and longitude of an incomplete position.
+    let is_complete = GEODETIC.iter().all(|name| keywords.find(name).is_some());
     let stated = |names: &[&str]| {
-        names.iter().find_map(|name| {
+        names.iter().filter(|name| !(is_complete && name.starts_with(OBSGEO))).find_map(|name| {
             let (header, keyword) = keywords.find(name)?;
             let number = header.number(&keyword);
             let value = number.or_else(|| degrees(&header.text(&keyword)?)).filter(|value| *value != 0.0)?;
@@ -205,8 +258,9 @@ fn compared(keywords: Keywords<'_>, site: &Site, is_named: bool) -> Result<Optio
     let is_far = |a_deg: f64, b_deg: f64| ((a_deg - b_deg + 180.0).rem_euclid(360.0) - 180.0).abs() > ROUGH_DEG;
     let (latitude_deg, longitude_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
     let named = format!("at latitude {latitude_deg:.2} and longitude {longitude_deg:.2} deg");
-    if let Some((value, given, _)) = stated(LATITUDES)
+    if let Some((value, given, comment)) = stated(LATITUDES)
         && is_far(value, latitude_deg)
+        && (is_far(-value, latitude_deg) || !comment.has("south s"))
     {
         return Err(format!("{named}, but {given}"));
     }
@@ -232,15 +286,20 @@ fn compared(keywords: Keywords<'_>, site: &Site, is_named: bool) -> Result<Optio
     Ok(Some(format!("{given}, which is read as {sense}, as it fits the site (longitude {longitude_deg:.2} deg)")))
 }
 
-/// Parses an angle such as `-30.24`, `-30:14:40`, `30d14m40s` or `30 14 40 S`, degrees.
+/// Parses an angle such as `-30.24`, `-30:14:40`, `30d14m40s`, `30 14 40 S`, `W110` or `-7h20m`, degrees.
 fn degrees(text: &str) -> Option<f64> {
     let text = text.trim();
-    let is_negative = text.starts_with('-') || text.ends_with(['S', 's', 'W', 'w']) && !text.contains(['d', 'm']);
+    let last = text.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default().to_ascii_lowercase();
+    let is_side =
+        ["south", "w", "west"].contains(&&*last) || text.ends_with('S') || (last == "s" && !text.contains(['d', 'm']));
+    let is_negative = is_side || text.starts_with(['-', 'S', 's', 'W', 'w']);
+    let is_in_hours = text.split_once('h').is_some_and(|(before, _)| before.ends_with(|c: char| c.is_ascii_digit()));
+    let unit = if is_in_hours { 15.0 } else { 1.0 };
     let mut parts = text.split(|c: char| !c.is_ascii_digit() && c != '.').filter(|part| !part.is_empty());
     let whole: f64 = parts.next()?.parse().ok()?;
     let rest: Option<Vec<f64>> = parts.take(2).map(|part| part.parse().ok()).collect();
     let value = whole + rest?.iter().zip([60.0, 3600.0]).map(|(part, unit)| part / unit).sum::<f64>();
-    Some(if is_negative { -value } else { value })
+    Some(if is_negative { -unit * value } else { unit * value })
 }
 
 #[cfg(test)]
@@ -392,6 +451,43 @@ mod tests {
             assert_eq!(of(&format!("INSTRUME= '{instrument}'\n")).unwrap(), None, "{instrument}");
         }
         assert_eq!(of("INSTRUME= 'DECam'\n").unwrap().unwrap().name, "CTIO Blanco");
+    }
+
+    /// Positions as text, codes of the Minor Planet Center, and coordinates that decide between the sites of a network.
+    #[test]
+    fn positions_are_read_in_all_forms() {
+        for text in [
+            "OBSGEO-B= '30:00:00'\nOBSGEO-L= '-110 00 00'\nOBSGEO-H= '1000'\n",
+            "OBSGEO-B= '30 00 00 N'\nOBSGEO-L= '110 00 00 W'\nOBSGEO-H= '1000 m'\n",
+            "OBSGEO-B= 'N30'\nOBSGEO-L= 'W110'\nOBSGEO-H= '3280.84 ft'\n",
+            "OBSGEO-B= '30:00 North'\nOBSGEO-L= '110:00 West'\nOBSGEO-H= 1000\n",
+            "OBSGEO-B= 30.0\nOBSGEO-L= -7.3333333 / hours\nOBSGEO-H= 1000\n",
+            "OBSGEO-B= '30d00m00s'\nOBSGEO-L= '-7h20m00s'\nOBSGEO-H= 1000\n",
+            "OBSGEO-X= '-1891071.3'\nOBSGEO-Y= '-5195675.8 m'\nOBSGEO-Z= '3170.8737 km'\n",
+        ] {
+            let site = found(&[&Header::from_text(text)]).unwrap().unwrap();
+            assert!((site.latitude_rad.to_degrees() - 30.0).abs() < 1e-4, "{text}: {site:?}");
+            assert!((site.longitude_rad.to_degrees() + 110.0).abs() < 1e-4, "{text}: {site:?}");
+            assert!((site.height_m - 1000.0).abs() < 1.0, "{text}: {site:?}");
+        }
+        for text in [
+            "OBSGEO-B= 'here'\nOBSGEO-L= 3\nOBSGEO-H= 0\n",
+            "OBSGEO-B= 30\nOBSGEO-L= 3\nOBSGEO-H= '5 furlongs'\n",
+            "OBSGEO-B= 30\nOBSGEO-L= '110:00:00' / west\nOBSGEO-H= 0\n",
+            "OBSGEO-B= 30\nOBSGEO-L= 3\nOBSGEO-H= 13796\n",
+            "OBSERVAT= 'CTIO'\nOBSGEO-B= 19.8\n",
+            "OBSERVAT= 'CTIO'\nMPCCODE = 568\n",
+        ] {
+            assert!(found(&[&Header::from_text(text)]).is_err(), "{text}");
+        }
+        for (text, name) in [
+            ("MPC_CODE= '807'\n", "Cerro Tololo"),
+            ("OBSERVAT= 'CTIO'\nLAT-OBS = 30.17 / South\nLONGITUD= '70.81 West'\n", "Cerro Tololo"),
+            ("TELESCOP= 'ATLAS'\nSITELAT = -30.47\n", "ATLAS Chile"),
+            ("OBSERVAT= 'Gemini'\nLATITUDE= '+19:49:26'\n", "Gemini North"),
+        ] {
+            assert_eq!(found(&[&Header::from_text(text)]).unwrap().unwrap().name, name, "{text}");
+        }
     }
 
     /// Units and senses that the comments of OBSGEO keywords state.

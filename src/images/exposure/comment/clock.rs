@@ -15,6 +15,7 @@ const ZONES: &str = "BJT WIB PST PDT MST MDT CST CDT EST EDT HST HDT AKST AKDT A
      IST MEZ MESZ JST KST HKT SGT PKT AEST AEDT ACST ACDT AWST NZST NZDT MSK SAST CLT CLST BRT BRST LT LMT";
 /// Computers whose clock may be local, and words of a clock.
 const COMPUTERS: &str = "computer pc host laptop workstation system";
+const HOURS: &str = "h hr hrs hour hours";
 const COMPUTER_CLOCKS: &str = "time clock timestamp date";
 pub(super) const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
 
@@ -27,23 +28,30 @@ impl Comment {
     /// Returns true if the comment states a local time.
     pub fn is_local(&self) -> bool {
         // "local time converted to UTC", "UTC = local + 7 h"
-        let before_sign = self.text.split_once('=').map(|(before, _)| Self::new(before));
         let is_converted = self.has("converted") && !self.has("not never be must should");
-        if (is_converted && self.has_pair("to into", UNIVERSAL))
-            || before_sign
-                .is_some_and(|name| name.words().next().is_some() && name.words().all(|word| lists(UNIVERSAL, word)))
-        {
+        if is_converted && self.has_pair("to into", UNIVERSAL) {
             return false;
+        }
+        if let Some((name, sum)) = self.text.split_once('=').map(|(name, sum)| (Self::new(name), Self::new(sum)))
+            && name.words().next().is_some()
+            && name.words().all(|word| lists(UNIVERSAL, word))
+        {
+            // "UTC = DATE-OBS + 7 h"
+            let is_hours = |word: &str| lists(HOURS, word.trim_start_matches(|c: char| c.is_ascii_digit()));
+            return sum.has_pair("date time", "obs beg") && sum.words().any(is_hours);
         }
         // "UTC; local = UTC-7"
         let clauses = self.text.split([',', ';', '(', ')', '[', ']']).map(Self::new);
         let mut clauses = clauses.filter(|clause| !clause.clauses.is_empty());
-        if let Some(first) = clauses.next()
-            && first.is_universal()
-        {
+        if let Some(first) = clauses.next() {
             let (defining, others): (Vec<Self>, Vec<Self>) = clauses.partition(Self::defines_local);
-            if !defining.is_empty() {
+            if first.is_universal() && !defining.is_empty() {
                 return first.is_local() || others.iter().any(Self::is_local);
+            }
+            // "MST (UTC = MST + 7 h)", "MST; UTC is 7 h ahead"
+            let has_sum = |other: &Self| other.text.contains(|c: char| c == '=' || c.is_ascii_digit());
+            if !first.is_universal() && others.iter().any(has_sum) && first.is_local() {
+                return true;
             }
         }
         if self.has_offset() {
@@ -52,7 +60,8 @@ impl Comment {
         // "UTC minus 7 hours", "not UTC"
         let is_denied = || {
             let others = self.words().filter(|word| lists(UNIVERSAL, word) || lists("tai iat tt tdt tdb gps", word));
-            self.has_pair("not", UNIVERSAL) && others.count() == 1
+            (self.has_pair("not", UNIVERSAL) || self.has_pair("in", UNIVERSAL) && self.has_pair("not", "in"))
+                && others.count() == 1
         };
         if self.has_pair(UNIVERSAL, "minus plus") || is_denied() {
             return true;
@@ -90,9 +99,27 @@ impl Comment {
         }
     }
 
-    /// Returns true if the comment states an offset from UTC other than 0, such as `UTC-7` or `(GMT +5:30)`.
+    /// Returns true if the comment states an offset from UTC other than 0, such as `UTC-7`, `(GMT +5:30)`, `-07:00` or `+7 h`.
     fn has_offset(&self) -> bool {
         let lower = self.text.to_ascii_lowercase();
+        // "-07:00"
+        let is_form = |word: &str| {
+            let digits: Vec<char> = word.trim_start_matches(['+', '-']).chars().collect();
+            matches!(digits[..], [a, b, ':', c, d] if [a, b, c, d].iter().all(char::is_ascii_digit) && word.len() == 6 && word[1..] != *"00:00")
+        };
+        if lower.split([' ', '(', ')', '[', ']', ',', ';']).any(is_form) {
+            return true;
+        }
+        // "+7 h"
+        let is_hours = |at: usize| {
+            let number = lower[at + 1..].trim_start();
+            let end = number.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(number.len());
+            let unit = number[end..].trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+            end > 0 && lists(HOURS, unit) && !lower[..at].ends_with('/')
+        };
+        if lower.match_indices(['+', '-']).any(|(at, _)| is_hours(at)) {
+            return true;
+        }
         ["utc", "gmt", "ut"].iter().any(|name| {
             lower.match_indices(name).any(|(at, _)| {
                 let rest = lower[at + name.len()..].trim_start();

@@ -2,7 +2,8 @@
 
 use super::clock::UNIVERSAL;
 use super::part::FILLERS;
-use super::unit::seconds_in;
+use super::quantity::quantities;
+use super::seconds::seconds_in;
 use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
 /// Words of times that are only near the part of the exposure that the comment states.
@@ -14,6 +15,9 @@ const NEUTRAL: &str = "as is was when which with on by taken acquired acquisitio
 const ERRORS: &str = "error uncertainty inaccuracy drift";
 /// Words of remarks about clocks.
 const CLOCK_ERRORS: &str = "offset error errors fast slow late early wrong corrected correction shifted drift";
+/// Words of shifts of the start by a stated time, and the largest shift that is not stated, seconds.
+const SHIFTS: &str = "offset error fast slow late early ahead behind delay delayed lag subtract add minus plus shifted";
+const LARGEST_SHIFT_S: f64 = 0.1;
 /// Beginnings of statements of the uncertainty of a time.
 const UNCERTAINTIES: &[&str] =
     &["+/-", "+-", "~", "accura", "uncertain", "error", "within", "tolerance", "precision", "off by"];
@@ -31,9 +35,9 @@ impl Comment {
         })
     }
 
-    /// Returns true if the comment states an uncertainty of more than a second, or that the value is approximate.
+    /// Returns true if the comment states an uncertainty of more than 0.1 s, or that the value is approximate.
     pub fn is_approximate(&self) -> bool {
-        self.has(APPROXIMATE) || self.uncertainty_s().is_some_and(|uncertainty_s| uncertainty_s > 1.0)
+        self.has(APPROXIMATE) || self.uncertainty_s().is_some_and(|uncertainty_s| uncertainty_s > LARGEST_SHIFT_S)
     }
 
     /// Returns true if a remark states that the times of the header are local, of the middle or the end, or wrong.
@@ -57,7 +61,14 @@ impl Comment {
                 || word.len() == 1
                 || word.bytes().all(|byte| byte.is_ascii_digit())
         };
-        self.has(APPROXIMATE) || (self.parts().0.is_empty() && !self.words().all(is_known))
+        // "UTC start, 5 s late"
+        let is_shifted = || {
+            let lower = self.text.to_ascii_lowercase();
+            quantities(&lower).iter().any(|shift| shift.number * shift.unit_s > LARGEST_SHIFT_S)
+        };
+        self.has(APPROXIMATE)
+            || (self.has(SHIFTS) && is_shifted())
+            || (self.parts().0.is_empty() && !self.words().all(is_known))
     }
 }
 
@@ -78,9 +89,15 @@ mod tests {
         ] {
             assert_eq!(Comment::new(text).uncertainty_s(), seconds, "{text}");
         }
-        for text in
-            ["GPS trigger time", "PPS", "clock unsynchronised", "Start of first exposure", "approx. start", "noon"]
-        {
+        for text in [
+            "UTC start (5 s delay)",
+            "GPS trigger time",
+            "PPS",
+            "clock unsynchronised",
+            "Start of first exposure",
+            "approx. start",
+            "noon",
+        ] {
             assert!(Comment::new(text).is_doubtful(), "{text}");
         }
         // Comments in headers of SDSS, DECam, ESO, TESS, wcslib, LCO and SBIG.
@@ -96,6 +113,8 @@ mod tests {
             "Date of obs. YYYY-mm-ddTHH:MM:SS",
             "[s] UTC seconds of day at start",
             "trigger time, start of exposure",
+            "UTC start, corrected for shutter delay",
+            "UTC start (20 ms delay)",
         ] {
             assert!(!Comment::new(text).is_doubtful(), "{text}");
         }

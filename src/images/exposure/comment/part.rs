@@ -1,6 +1,7 @@
 //! Part of the exposure to which an instant refers, by the comment of its card.
 
 use super::clock::UNIVERSAL;
+use super::seconds::seconds_in;
 use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
 /// Words of the end that have another meaning before a noun.
@@ -45,7 +46,7 @@ impl Comment {
     /// The reason why the instant cannot be used: it is a local time, or the time of another event, or the comment
     /// mentions several parts, or another part than the name.
     pub fn role(&self, named: Option<Role>) -> Result<Option<Role>, &'static str> {
-        if self.has("sidereal lst lmst gmst gast") {
+        if self.has("sidereal siderial lst lmst gmst gast") {
             return Err("a sidereal time");
         }
         if self.is_local() {
@@ -56,9 +57,11 @@ impl Comment {
         }
         if self.has("rjd tjd djd")
             || self.has_pair("reduced truncated dublin", "jd julian")
-            || self.text.match_indices("2400000").any(|(at, number)| {
-                let rest = &self.text[at + number.len()..];
-                !rest.starts_with(|c: char| c.is_ascii_digit()) && !rest.starts_with(".5") && !rest.starts_with(",5")
+            || self.text.match_indices("24000").any(|(at, _)| {
+                let rest = &self.text[at..];
+                let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.' || c == ',')).unwrap_or(rest.len());
+                let day = rest[..end].replace(',', ".").trim_end_matches('.').parse::<f64>();
+                day.is_ok_and(|day| day < 2_500_000.0 && day != 2_400_000.5)
             })
         {
             return Err("a Julian date from another day on");
@@ -70,7 +73,8 @@ impl Comment {
             return Err(UNCLEAR);
         }
         let (stated, is_unclear) = self.parts();
-        if self.has(EVENTS) && !self.is_of_writer() && (stated.is_empty() || !self.begins_with_part()) {
+        let has_event = self.has(EVENTS) && !self.has_pair("daylight", "saving savings");
+        if has_event && !self.is_of_writer() && (stated.is_empty() || !self.begins_with_part()) {
             return Err(AFTER_EXPOSURE);
         }
         match (&stated[..], named) {
@@ -131,7 +135,19 @@ impl Comment {
         if matches!(stated[..], [Role::Start | Role::Middle]) || (stated == [Role::End] && is_sum(&joined)) {
             return (stated, false);
         }
+        // "start + 30 s", but not "start +00:00" and "exposure-1"
+        let is_shifted = |part: &str| {
+            joined.match_indices(part).any(|(at, _)| {
+                let number = joined[at + part.len()..].strip_prefix(['+', '-']).unwrap_or_default();
+                let end = number.find(|c: char| !c.is_ascii_digit()).unwrap_or(number.len());
+                let unit = number[end..].split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+                end > 0 && seconds_in(unit).is_some()
+            })
+        };
         let mut is_unclear = self.has(OTHERS);
+        if ["start", "begin", "exposure", "end", "mid"].into_iter().any(is_shifted) {
+            return (Vec::new(), true);
+        }
         for (clause, words) in self.clauses.iter().enumerate() {
             let of_others = others_from.is_some_and(|from| clause >= from);
             for (role, list) in PARTS {
@@ -141,6 +157,13 @@ impl Comment {
                         && !(at > 0 && lists(EXPOSURE, &words[at - 1]))
                         && words.len() > at + 1;
                     if is_adjective || is_of_event(words, at) {
+                        continue;
+                    }
+                    // "UTC, not mid-exposure", but "not start" is of another part.
+                    let is_part = |word: &str| PARTS.iter().any(|(_, list)| lists(list, word));
+                    let before = words[..at].iter().rev().find(|word| !lists(FILLERS, word) && !is_part(word));
+                    if before.is_some_and(|word| word.eq_ignore_ascii_case("not")) {
+                        is_unclear |= *role == Role::Start;
                         continue;
                     }
                     match qualifies(words, at) {
@@ -257,6 +280,29 @@ mod tests {
             ("UTC at shutter close minus exposure", Ok(Some(Role::Start))),
             ("end - exptime/2", Ok(Some(Role::Middle))),
             ("(start + end) / 2", Ok(Some(Role::Middle))),
+            ("UTC, not mid-exposure", Ok(None)),
+            ("UTC, not mid or end", Ok(None)),
+            ("UTC date & time, exposure-1", Ok(None)),
+            ("not the start of exposure", Err(UNCLEAR)),
+            ("not the end but the start", Ok(None)),
+            ("halfway through the exposure", Ok(Some(Role::Middle))),
+            ("JD - 2400001", Err("a Julian date from another day on")),
+            ("start + 30 s", Err(UNCLEAR)),
+            ("UTC at end of exposure - 2 s", Err(UNCLEAR)),
+            ("start, -07:00", Err("a local time")),
+            ("start +00:00", Ok(Some(Role::Start))),
+            ("not in UT", Err("a local time")),
+            ("MST; UTC is 7 h ahead", Err("a local time")),
+            ("to UTC: +7 h", Err("a local time")),
+            ("DATE-OBS + 7 h = UTC", Err("a local time")),
+            ("UTC (MST + 7 h)", Ok(None)),
+            ("UTC; no daylight saving", Ok(None)),
+            ("L.T. at start", Err("a local time")),
+            ("L.S.T.", Err("a sidereal time")),
+            ("MST (UTC = MST + 7 h)", Err("a local time")),
+            ("CEST, start; UT = CEST - 2 h", Err("a local time")),
+            ("UTC = DATE-OBS + 7 h", Err("a local time")),
+            ("UTC = MST + 7 h", Ok(None)),
             ("UTC at 50% exposure", Ok(Some(Role::Middle))),
             ("(DATE-BEG+DATE-END)/2", Ok(Some(Role::Middle))),
             ("MJD (mid), see DATE-OBS for start", Ok(Some(Role::Middle))),

@@ -17,7 +17,7 @@ pub(super) const PARTS: &[(Role, &str)] = &[
     ),
     (
         Role::Middle,
-        "mid middle half effective weighted center centre central average averaged avg mean median mitte milieu mitad \
+        "mid middle midway half halfway effective weighted center centre central average averaged avg mean median mitte milieu mitad \
          medio centro meio",
     ),
     (
@@ -106,9 +106,24 @@ pub struct Comment {
     pub(super) clauses: Vec<Vec<String>>,
 }
 
+/// Returns a text with abbreviations such as "L.T." as one word.
+fn without_dots(text: &str) -> String {
+    let is_abbreviation = |word: &str| {
+        word.trim_matches('.').contains('.')
+            && word.split('.').all(|letter| letter.len() <= 1 && letter.chars().all(|c| c.is_ascii_alphabetic()))
+    };
+    let words = text.split_inclusive([' ', ',', ';', ':', '(', ')', '[', ']']);
+    let joined = |word: &str| {
+        let bare = word.trim_end_matches(|c: char| c != '.' && !c.is_ascii_alphanumeric());
+        if is_abbreviation(bare) { word.replace('.', "") } else { word.to_owned() }
+    };
+    words.map(joined).collect()
+}
+
 impl Comment {
     pub fn new(text: &str) -> Self {
-        let clauses = text.split([',', ';', ':', '.', '(', ')', '[', ']']).map(|clause| {
+        let joined = without_dots(text);
+        let clauses = joined.split([',', ';', ':', '.', '(', ')', '[', ']']).map(|clause| {
             let words = clause.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
             let mut words: Vec<String> = words.flat_map(parts_of_word).map(str::to_owned).collect();
             for phrase in OTHER_MEANINGS {

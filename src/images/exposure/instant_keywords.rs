@@ -1,0 +1,107 @@
+//! Keywords of instants.
+
+use super::comment::Role;
+
+/// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
+pub const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
+
+/// Keywords with the time of day of the start, used together with a date.
+pub const TIMES: &[&str] = &[
+    "TIME-BEG",
+    "UTC-OBS",
+    "TIME-OBS",
+    "UT-OBS",
+    "UT-START",
+    "UT-STR",
+    "UTC-START",
+    "UTC-STR",
+    "UTC-TIME",
+    "UT-BEG",
+    "UT-BEGIN",
+    "START-UT",
+    "TIME-STR",
+    "TM-START",
+    "UTSHUT",
+    "TAIHMS",
+];
+
+/// Keywords with a time of day that is not the start at some observatories. They are used only if no keyword of
+/// [`TIMES`] exists.
+pub const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
+
+/// Keywords with the modified Julian date of the start.
+pub const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
+
+/// Keywords with the Julian date of the start.
+pub const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];
+
+/// Keywords of the start that contain a date, a Julian date or a time of day.
+pub const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "SHUT-OPEN"];
+
+/// Keywords of dates that are used only if no other keyword gives the start.
+pub const LOOSE_DATES: &[&str] = &["MJD", "JD"];
+
+/// Keywords of the middle and of the end of the exposure.
+pub const MIDDLES: &[&str] = &[
+    "DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID", "UT-MID", "UTC-MID", "TIME-MID",
+    "MIDTIME",
+];
+pub const ENDS: &[&str] = &[
+    "DATE-END",
+    "MJD-END",
+    "JD-END",
+    "EXP-END",
+    "DATE-STOP",
+    "DATE-STP",
+    "MJD-STOP",
+    "MJD-STP",
+    "JD-STOP",
+    "EXP-STOP",
+];
+
+/// Keywords with the time of day of the end. At some observatories it includes the readout, so that they only show that
+/// an exposure time is far too short.
+pub const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UTC-STOP", "TIME-STOP", "TM-END"];
+
+/// Keywords whose names state that they refer to the start.
+pub const NAMED_STARTS: &[&str] = &[
+    "DATE-BEG",
+    "DATE-STR",
+    "MJD-BEG",
+    "MJD-STR",
+    "MJD-START",
+    "JD-START",
+    "JD-BEG",
+    "JD-STR",
+    "DATE-START",
+    "EXP-START",
+    "SHUT-OPEN",
+    "TIME-BEG",
+    "UT-START",
+    "UT-STR",
+    "UTC-START",
+    "UTC-STR",
+    "UT-BEG",
+    "UT-BEGIN",
+    "START-UT",
+    "TIME-STR",
+    "TM-START",
+];
+
+/// Words before or after those of [`CLOCKS`] in keywords of the first and the last of several exposures, as in UTC-LAST and
+/// MINJD.
+pub const OUTERMOST: &[(Role, &str)] =
+    &[(Role::Start, "FIRST"), (Role::Start, "FRST"), (Role::Start, "MIN"), (Role::End, "LAST"), (Role::End, "MAX")];
+pub const CLOCKS: &[&str] = &["UT", "UTC", "TIME", "DATE", "JD", "MJD", "OBS", "EXP", "DATEOBS", "JDOBS", "MJDOBS"];
+
+/// Keyword of the opening of the shutter (DECam), which is about that of DATE-OBS, but is 33 s earlier in some frames.
+pub const SHUTTER: &str = "OPENSHUT";
+
+/// Keywords of the date in universal time, beside a date that may be that of the night.
+pub const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"];
+
+/// Other keywords of the date of the observation, which are used without those of [`DATES`].
+pub const OTHER_DATES: &[&str] = &["OBS-DATE", "DATE-TIME"];
+
+/// Keywords of local times.
+pub const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "LT"];
