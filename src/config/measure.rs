@@ -20,6 +20,7 @@ use crate::measure::{
     StarTable, StarZeroPoint, ZeroPoints, listed_table, measure_frame, measure_listed, measurement_table,
     predict_within_passes,
 };
+use crate::message::first_of;
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
 use crate::passes::Sky;
@@ -130,10 +131,11 @@ impl MeasureConfig {
     /// tables.
     ///
     /// `sky` returns the sky of the night of a frame; by default it is prepared from the configuration for all frames.
-    /// Streaks of tables need no satellites.
+    /// Streaks of tables need no satellites. Frames without an image, world coordinates, a time or a site are left out,
+    /// with a warning.
     ///
     /// # Errors
-    /// A frame has no image, world coordinates, time or site, a table is invalid, or a value is out of range.
+    /// No frame is left, a table is invalid, or a value is out of range.
     pub fn measure(&self, config: &Config, sky: Option<SkyOf<'_>>, watch: &Watch) -> Result<Measurements, Error> {
         if self.stars.is_some() && (self.zero_point.is_some() || self.zero_point_1s.is_some()) {
             return Err(error::both("--stars", "--zero-point"));
@@ -143,19 +145,23 @@ impl MeasureConfig {
         let table = self.star_table()?;
         let mut listed = MeasuredTables::read(&self.streaks, self.streaks_folder.as_deref(), &self.image)?;
         let mut frames: Vec<(TargetFrame, bool)> = Vec::new();
+        let mut unreadable: Vec<Error> = Vec::new();
         for path in std::mem::take(&mut listed.frames) {
             match self.open(&path, config) {
                 Ok(frame) => {
                     frames.push(frame);
                     listed.frames.push(path);
                 }
-                Err(error) if self.image.contains(&path) => return Err(error),
+                Err(error) if self.image.contains(&path) => unreadable.push(error),
                 // The rows that name this frame are invalid, not the request.
                 Err(error) => {
                     let rows = listed.streaks_of(&path);
                     listed.invalid.extend(rows.iter().map(|row| row.origin.of(error.clone())));
                 }
             }
+        }
+        if let Some(first) = unreadable.first().filter(|_| frames.is_empty()) {
+            return Err(first.clone());
         }
         let (first, last) = (
             frames.iter().map(|(frame, _)| frame.opened).min(),
@@ -255,6 +261,8 @@ impl MeasureConfig {
             return Err(first.clone());
         }
         warnings.extend(rows_left_out(&listed.invalid));
+        let left_out_frames = unreadable.iter().map(|error| format!("{error}; the frame is left out"));
+        warnings.extend(first_of(left_out_frames, "frames left out"));
         let has_distance = |row: &ListedMeasurement| {
             row.measured.as_ref().is_ok_and(|pass| {
                 pass.prediction.satellite.range_km.is_some() && pass.prediction.image_fwhm_arcsec.is_none()

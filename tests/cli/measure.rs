@@ -304,6 +304,21 @@ fn invalid_input_is_named() {
         assert!(stderr.starts_with("error: ") && stderr.lines().count() == 1, "{stderr}");
         assert!(parts.iter().all(|part| stderr.contains(part)), "{arguments:?}: {stderr}");
     }
+    // Among others, a frame that cannot be used is left out.
+    let document = |frames: &[&str]| -> serde_json::Value {
+        let (code, stdout, stderr) = run(&[&["measure"], frames, SATELLITES, &["--format", "json"]]);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str(&stdout).unwrap()
+    };
+    let (both, alone) = (document(&[&no_wcs, &frame, &missing]), document(&[&frame]));
+    assert_eq!(both["measurements"], alone["measurements"]);
+    assert!(!both["measurements"].as_array().unwrap().is_empty());
+    let loud = [&["measure", &no_wcs, &frame, &missing], &SATELLITES[..SATELLITES.len() - 1]].concat();
+    let (_, _, stderr) = run(&[&loud]);
+    for name in ["no_wcs.fits", "missing.fits"] {
+        let line = stderr.lines().find(|line| line.contains(name) && line.ends_with("; the frame is left out"));
+        assert!(line.is_some_and(|line| line.starts_with("warning: ")), "{stderr}");
+    }
     let (code, _, stderr) = run(&[&["measure"], SATELLITES]);
     assert!(code == 2 && stderr.contains("missing frames"), "{stderr}");
 }
