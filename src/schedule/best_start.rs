@@ -20,15 +20,15 @@ pub const COMPARED_STARTS: u32 = 60;
 pub struct BestStart {
     /// Delay after the scheduled start, seconds.
     pub delay_s: f64,
-    /// Expected cost of the streaks of the delayed exposure, seconds of open shutter: an upper limit for all openings of
-    /// the shutter from the start to the `margin_s` of the policy later.
+    /// Expected cost of the streaks of the delayed exposure, seconds of open shutter: an upper limit for all openings
+    /// of the shutter from the start to the `margin_s` of the policy later.
     pub streak_cost_s: f64,
     /// The same for the exposure as scheduled.
     pub scheduled_cost_s: f64,
 }
 
-/// Returns an upper limit of the cost of the streaks of an exposure for each delay, in seconds of open shutter, because the
-/// shutter opens at an unknown time up to the `margin_s` of the policy later. `None` without a telescope, and if an
+/// Returns an upper limit of the cost of the streaks of an exposure for each delay, in seconds of open shutter, because
+/// the shutter opens at an unknown time up to the `margin_s` of the policy later. `None` without a telescope, and if an
 /// exposure cannot be judged.
 ///
 /// For openings within a part of the margin, the streaks are those of an exposure from the first opening to the last
@@ -44,7 +44,8 @@ pub fn delayed_costs_s(
 ) -> Result<Vec<Option<f64>>, Error> {
     let Ok(exposure) = &row.exposure else { return Ok(vec![None; delays_s.len()]) };
     let margin_s = request.policy.margin_or_default_s();
-    let parts = (margin_s / exposure.duration_s).ceil().clamp(1.0, MOST_PARTS) as u32;
+    // Not a number without margin and duration.
+    let parts = ((margin_s / exposure.duration_s).ceil().clamp(1.0, MOST_PARTS) as u32).max(1);
     let part_s = margin_s / f64::from(parts);
     let duration_s = exposure.duration_s + part_s;
     let extended = |delay_s: f64| {

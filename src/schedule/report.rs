@@ -166,8 +166,13 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
                 along_track_sigma_s: satellite.along_track_sigma_s,
             })
             .collect();
-        let flag =
-            judge_exposure(exposure, &request.limits(band, exposure.duration_s), &passes, &expected, request.policy);
+        let flag = judge_exposure(
+            exposure,
+            &request.limits(band, rows[*row].open_time_s(exposure)),
+            &passes,
+            &expected,
+            request.policy,
+        );
         counted[*row] = passes.into_iter().filter(|pass| is_counted(pass, request.policy)).collect();
         flags[*row] = Some(with_age(
             flag,
@@ -325,7 +330,7 @@ fn find_starts(
     let allowance_s = |pass: &Pass| lateness_allowance_s(pass, policy).min(max_delay_s);
     let blocked = |index: usize, blockers: &Blockers, allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
         let (row, exposure) = searched[index];
-        let limits = request.limits(band(row), exposure.duration_s);
+        let limits = request.limits(band(row), rows[row].open_time_s(exposure));
         let is_blocking = |pass: &Pass| blocks(pass, &limits, blocking, policy);
         // The passes of the verdict are added because the search over the longer interval may omit one that only just
         // enters the field.
@@ -485,7 +490,7 @@ fn confirm(
             let (Some(flag), Some(exposure)) = (flags[search.row].as_mut(), scheduled.get(&search.row)) else {
                 continue;
             };
-            let limits = request.limits(band(search.row), exposure.duration_s);
+            let limits = request.limits(band(search.row), rows[search.row].open_time_s(exposure));
             let longest_sigma_s = passes
                 .iter()
                 .filter(|pass| blocks(pass, &limits, blocking, policy))

@@ -28,8 +28,8 @@ use crate::units::{DAYS, DEGREES, SECONDS, Unit};
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScheduledExposure {
-    /// Identifier of the exposure; the row number, from 1, if the schedule has no identifiers, and `row` with this number if
-    /// only this row has none.
+    /// Identifier of the exposure; the row number, from 1, if the schedule has no identifiers, and `row` with this
+    /// number if only this row has none.
     pub id: String,
     /// Index of the row in the file, from 0.
     pub row: usize,
@@ -40,6 +40,13 @@ pub struct ScheduledExposure {
     pub open_s: Option<f64>,
     /// The exposure, or the reason why the row is invalid.
     pub exposure: Result<Exposure, String>,
+}
+
+impl ScheduledExposure {
+    /// Returns the time with open shutter of the exposure of this row, seconds.
+    pub(super) fn open_time_s(&self, exposure: &Exposure) -> f64 {
+        self.open_s.unwrap_or(exposure.duration_s)
+    }
 }
 
 /// Options for reading a schedule.
@@ -123,10 +130,12 @@ impl Schedule {
                 "{exposures} at another time than the file states, which may include readout or several snaps: {first}"
             )
         }));
-        let without = self.exposures.iter().filter(|exposure| exposure.id == unnamed(exposure.row)).count();
-        if without > 0 {
-            let exposures = counted(without, "exposure has", "exposures have");
-            warnings.push(format!("{exposures} no exposure_id; the results name them by their rows, as row 7"));
+        let mut without = self.exposures.iter().filter(|exposure| exposure.id == unnamed(exposure.row)).peekable();
+        if let Some(first) = without.peek().map(|exposure| exposure.id.as_str()) {
+            let exposures = counted(without.count(), "exposure has", "exposures have");
+            warnings.push(format!(
+                "{exposures} no exposure_id, or a wrong number of cells; the results name them by their rows, the first as {first}"
+            ));
         }
         let repeated = self.repeated_ids();
         if repeated > 0 {
@@ -399,7 +408,8 @@ impl Scales {
     }
 }
 
-/// Returns the identifier of a row without one in a schedule with identifiers, where a number could be that of another row.
+/// Returns the identifier of a row without one in a schedule with identifiers, where a number could be that of another
+/// row.
 fn unnamed(row: usize) -> String {
     format!("row {}", row + 1)
 }

@@ -20,7 +20,8 @@ pub(super) fn expected_of(
     passes: &[Pass],
     request: &FlagRequest<'_>,
 ) -> ExpectedLoss {
-    let limits = request.limits(band, exposure.duration_s);
+    let open_s = open_s.unwrap_or(exposure.duration_s);
+    let limits = request.limits(band, open_s);
     if limits.is_none() && request.telescope.is_none() {
         return ExpectedLoss::new(satellites, &[]);
     }
@@ -73,7 +74,7 @@ pub(super) fn expected_of(
     }
     ExpectedLoss {
         lost_pixel_fraction: Some(lost.min(1.0)),
-        streak_cost_s: Some(cost.seconds(open_s.unwrap_or(exposure.duration_s), shares)),
+        streak_cost_s: Some(cost.seconds(open_s, shares)),
         ..expected
     }
 }
@@ -111,7 +112,8 @@ impl FlagRequest<'_> {
         let brightness = peak_brightness(pass).cloned().or_else(prior);
         let bright = BrightStreaks::new(telescope, self.sky, band, self.photometry.band);
         let of_seen = |probability: f64| if is_seen { probability } else { 0.0 };
-        let limits = self.limits(band, exposure.duration_s).with_limit_mag(limit_mag);
+        let open_s = open_s.unwrap_or(exposure.duration_s);
+        let limits = self.limits(band, open_s).with_limit_mag(limit_mag);
         let range_km = pass.mid.range_km;
         let p_bright = of_seen(of_known(brightness.as_ref(), |light| {
             bright.probability(light, pass.element_index, range_km, pass.angular_rate_rad_s)
@@ -123,7 +125,7 @@ impl FlagRequest<'_> {
             p_bright,
             p_above_limit: of_seen(p_above(brightness.as_ref(), limits.of_pass(pass))),
         });
-        Some(PassCost { streak_cost_s: cost.seconds(open_s.unwrap_or(exposure.duration_s), share), p_bright })
+        Some(PassCost { streak_cost_s: cost.seconds(open_s, share), p_bright })
     }
 }
 

@@ -430,7 +430,7 @@ fn invalid_rows_are_kept_with_a_reason_and_the_others_are_evaluated() {
     let warning = ": 10 of 12 exposures cannot be judged; first row 2, exposure nan: right ascension is NaN";
     assert!(stderr.contains(warning), "{stderr}");
     // The row without an identifier and the short one.
-    assert!(stderr.contains("2 exposures have no exposure_id; the results name them by their rows"), "{stderr}");
+    assert!(stderr.contains("2 exposures have no exposure_id, or a wrong number of cells; the results name them by their rows, the first as row 11"), "{stderr}");
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let flags = answer["flags"].as_array().unwrap();
     assert_eq!(flags.len(), rows.len() + 1);

@@ -8,7 +8,9 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::images::{PossibleStreak, StreakCost, Telescope};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::{Brightness, ErrorDistribution, Magnitude, MagnitudeSource, PhotometryOptions};
-use streakcast::schedule::{FlagRequest, Policy, ScheduledExposure, Verdict, VerdictKind, judge_exposures};
+use streakcast::schedule::{
+    FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, Verdict, VerdictKind, delayed_costs_s, judge_exposures,
+};
 
 use crate::common;
 use crate::common::random::Random;
@@ -194,4 +196,68 @@ fn verif_exposures_that_cannot_be_judged_have_no_cost() {
     assert_eq!((below.kind, below.streak_cost_s), (VerdictKind::Invalid, None));
     let old = cost(start - 1500.0 * hifitime::Unit::Day, Some(&telescope), true);
     assert_eq!((old.kind, old.streak_cost_s), (VerdictKind::Unknown, None));
+}
+
+/// The cost of a delayed start is an upper limit for all shutter openings within the margin, with each kind of limit, and
+/// for exposures that are shorter than the margin.
+#[test]
+fn valid_costs_of_delayed_starts_are_upper_limits() {
+    let start = Epoch::from_gregorian_utc(2026, 4, 24, 23, 30, 0, 0);
+    let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(start);
+    elements.iter_mut().for_each(|one| one.origin = Origin::Published);
+    let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
+    let sky = Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &ModelChoice::default());
+    let field = Field::circle(4f64.to_radians()).expect("a field");
+    let (photometry, telescope) = (PhotometryOptions::default(), rubin());
+    let rows = exposures(&sky, start, 1800.0, 60);
+    let (mut costly, mut below) = (0, 0);
+    for (duration_s, margin_s) in [(30.0, 2.0), (10.0, 10.0), (2.0, 5.0), (5.0, 0.0)] {
+        for limits in [
+            Policy::default(),
+            Policy::limit_mag(6.5),
+            Policy { limit_surface_brightness: Some(MagnitudeLimit::All(16.0)), ..Policy::default() },
+        ] {
+            let policy = Policy { margin_s: Some(margin_s), ..limits };
+            let request = FlagRequest {
+                sky: &sky,
+                field: &field,
+                policy: &policy,
+                telescope: Some(&telescope),
+                photometry: &photometry,
+            };
+            for row in &rows {
+                let at = |delay_s: f64| {
+                    let mut row = row.clone();
+                    if let Ok(exposure) = &mut row.exposure {
+                        exposure.duration_s = duration_s;
+                        exposure.start = seconds_after(exposure.start, delay_s);
+                    }
+                    row
+                };
+                let limit_s = delayed_costs_s(&at(0.0), &[0.0], &request).expect("costs")[0].expect("a cost");
+                let openings: Vec<_> = (0..=10).map(|tenth| at(0.1 * f64::from(tenth) * margin_s)).collect();
+                let flags = judge_exposures(&openings.iter().collect::<Vec<_>>(), &request).expect("verdicts").flags;
+                let costs_s = flags.iter().map(|flag| flag.streak_cost_s.expect("a cost"));
+                let largest_s = costs_s.fold(0.0, f64::max);
+                // Track lengths and probabilities are sums over steps.
+                assert!(limit_s >= largest_s * 0.995 - 1e-3, "{limit_s} {largest_s} {duration_s} {margin_s} {row:?}");
+                assert!(limit_s <= duration_s * (1.0 + 1e-9), "{limit_s}");
+                costly += usize::from(largest_s > 0.01);
+                below += usize::from(limit_s < duration_s * 0.999 && largest_s > 0.01);
+                if margin_s == 0.0 {
+                    assert!((limit_s - largest_s).abs() < 1e-9, "{limit_s} {largest_s}");
+                }
+            }
+        }
+    }
+    assert!(costly > 20 && below > 5, "{costly} {below}");
+    // Without a length and a margin there is no cost, and no panic.
+    let policy = Policy { margin_s: Some(0.0), ..Policy::default() };
+    let request =
+        FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: Some(&telescope), photometry: &photometry };
+    let mut row = rows[0].clone();
+    if let Ok(exposure) = &mut row.exposure {
+        exposure.duration_s = 0.0;
+    }
+    assert_eq!(delayed_costs_s(&row, &[0.0], &request).expect("costs"), [Some(0.0)]);
 }

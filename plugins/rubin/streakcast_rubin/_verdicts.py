@@ -11,12 +11,14 @@ from astropy.time import Time
 from streakcast import Site, StreakcastWarning, StreakModel
 from streakcast.hosts import SIMULATED_NIGHT_S, Hook
 
-from ._arrays import FloatArray, Visits
+from ._arrays import BoolArray, FloatArray, Visits
 
 SCALES = ("utc", "tai", "tt")
 #: Difference of the Sun's altitude, degrees, above which the times are in another scale; the Sun moves by up to 0.15 deg
 #: in 37 s. The difference between UT1 and UTC, and the aberration of light, are 0.01 deg.
 SUN_TOLERANCE_DEG = 0.05
+#: Years 1957 and 2099 (MJD).
+FIRST_MJD, LAST_MJD = 35_839.0, 88_068.0
 #: Number of visits whose altitude of the Sun is compared.
 MOST_COMPARED = 50
 
@@ -94,7 +96,7 @@ def warn_of_sun(visits: Visits, scale: str, site: Site | None) -> None:
     if site is None or "sunAlt" not in (visits.dtype.names or ()):
         return
     # Columns that were not filled contain zeros.
-    known = np.flatnonzero(np.isfinite(visits["mjd"]) & np.isfinite(visits["sunAlt"]) & (visits["sunAlt"] != 0.0))
+    known = np.flatnonzero(is_date(visits["mjd"]) & np.isfinite(visits["sunAlt"]) & (visits["sunAlt"] != 0.0))
     if known.size:
         some = known[:: max(1, known.size // MOST_COMPARED)]
         _, message = compare_sun(visits["mjd"][some], np.degrees(visits["sunAlt"][some]), scale, site, "the visits")
@@ -111,11 +113,19 @@ def compare_sun(
     if off_deg[scale] <= SUN_TOLERANCE_DEG:
         return max(off_deg.values()), None
     best = min(off_deg, key=lambda one: off_deg[one])
-    hint = f"; mjd_scale='{best}' agrees" if off_deg[best] <= SUN_TOLERANCE_DEG else ""
+    if off_deg[best] <= SUN_TOLERANCE_DEG:
+        hint = f"mjd_scale='{best}' agrees; in the wrong scale visits are 37 s off, and no result is valid"
+    else:
+        hint = "the site, the times or the unit of the altitudes (radians) differ, and no result may be valid"
     return max(off_deg.values()), (
-        f"the Sun of {origin} is at {given_deg[0]:.2f} deg, {off_deg[scale]:.2f} deg from its altitude at the "
-        f"given MJD in {scale}{hint}; in the wrong scale visits are 37 s off, and no result is valid"
+        f"the Sun of {origin} is at {given_deg[0]:.2f} deg, {off_deg[scale]:.2f} deg from its altitude at {site.name} at the "
+        f"given MJD in {scale}; {hint}"
     )
+
+
+def is_date(mjd: FloatArray) -> BoolArray:
+    """Returns which MJD are dates of surveys: those for which the Sun's altitude is computed."""
+    return np.asarray((mjd > FIRST_MJD) & (mjd < LAST_MJD))
 
 
 def sun_altitude_deg(mjd: FloatArray, scale: str, site: Site) -> FloatArray:

@@ -18,7 +18,7 @@ from streakcast import Site, StreakcastWarning
 
 from ._checks import at_least
 from ._exchanges import of_visits
-from ._verdicts import sun_altitude_deg
+from ._verdicts import is_date, sun_altitude_deg
 
 #: Borders of the bins in the altitude of the Sun, degrees.
 SUN_EDGES_DEG = (-90.0, -18.0, -15.0, -12.0, 0.0)
@@ -98,12 +98,13 @@ def survey_summary(
         raise ValueError(f"sun_edges_deg is {sun_edges_deg}; allowed: at least two ascending altitudes, degrees")
     visits = _read(annotated)
     start_mjd = visits["observationStartMJD"]
-    dated = np.isfinite(start_mjd)
+    dated = is_date(start_mjd)
+    sun_alt_deg = _sun_altitudes_deg(visits)
     of_exchanges = {} if exchanges is None else of_visits(exchanges, start_mjd, visits["band"], visits.get(TARGET))
     year = np.zeros(len(start_mjd), dtype=int)
     if dated.any():
         year[dated] = (start_mjd[dated] - start_mjd[dated].min()) // 365.25 + 1
-    sun_bin = np.digitize(visits["sunAlt"], edges) - 1
+    sun_bin = np.digitize(sun_alt_deg, edges) - 1
     within = (sun_bin >= 0) & (sun_bin < len(edges) - 1) & dated
     outside = {"without a start": ~dated, "with the Sun outside the bins, or at an unknown altitude": dated & ~within}
     _warn_of_left_out(outside, "summary")
@@ -203,17 +204,18 @@ def _warn_of_left_out(left_out: Mapping[str, npt.NDArray[np.bool_]], what: str) 
         warnings.warn(f"visits that are not in the {what}: {', '.join(counts)} (of {visits:,})", StreakcastWarning, stacklevel=3)
 
 
-def _sun_altitudes_deg(visits: dict[str, npt.NDArray[Any]], origin: str) -> npt.NDArray[np.float64]:
+def _sun_altitudes_deg(visits: dict[str, npt.NDArray[Any]]) -> npt.NDArray[np.float64]:
     """Returns the altitudes of the Sun; NaN if they are unknown."""
     given = visits.get("sunAlt")
-    if given is not None:
+    # A column that was not filled contains zeros.
+    if given is not None and not (given == 0.0).all():
         known = given[np.isfinite(given)]
         if known.size and (np.abs(known) < np.pi / 2.0).all() and known.min() < -0.1:
-            raise ValueError(f"{origin}sunAlt is {known.min():g} to {known.max():g}; allowed: degrees (these are radians)")
+            raise ValueError(f"sunAlt is {known.min():g} to {known.max():g}; allowed: degrees (these are radians)")
         return given
     lsst, start_mjd = RubinSite("LSST"), visits["observationStartMJD"]
     site = Site("Rubin", lsst.latitude, lsst.longitude, lsst.height)
-    altitude_deg, dated = np.full(len(start_mjd), np.nan), np.isfinite(start_mjd)
+    altitude_deg, dated = np.full(len(start_mjd), np.nan), is_date(start_mjd)
     if dated.any():
         altitude_deg[dated] = sun_altitude_deg(start_mjd[dated], "utc", site)
     return altitude_deg
@@ -236,20 +238,31 @@ def _read(annotated: Annotated) -> dict[str, npt.NDArray[Any]]:
         path = Path(annotated)
         columns, p_bright = _of_database(path)
         origin = f"{path}: "
+    elif isinstance(annotated, Mapping) or len(annotated) not in (2, 3):
+        raise ValueError("allowed: the path of a database, or two or three tables: visits, flags, and streaks")
     else:
         columns, p_bright = _of_tables(*annotated)
         origin = ""
     visits = columns.pop("observationId")
     columns["p_bright"] = [None if p_bright is None else p_bright.get(str(one), 0.0) for one in visits]
-    columns["band"] = [UNKNOWN_BAND if one is None or one != one else one for one in columns["band"]]
+    columns["band"] = [one if isinstance(one, str) else UNKNOWN_BAND for one in columns["band"]]
     texts = {name: np.array([str(one) for one in columns.pop(name)], dtype=object) for name in ("verdict", "band")}
     numbers = {name: np.array([one if isinstance(one, (int, float)) else np.nan for one in column], dtype=float) for name, column in columns.items()}
     known = ~np.isin(texts["verdict"], (*UNJUDGED, "None"))
     if known.any() and np.isnan(numbers["streak_cost_s"][known]).all():
         raise ValueError(f"{origin}the annotation has no streak_cost_s; allowed: an annotation with a telescope (for example --telescope rubin)")
-    numbers["sunAlt"] = _sun_altitudes_deg(numbers, origin)
     finite = np.isfinite(numbers["streak_cost_s"]) & np.isfinite(numbers["n_streaks"]) & np.isfinite(numbers["visitExposureTime"])
     return {**numbers, **texts, "judged": finite & known}
+
+
+def _cells(column: Any, rows: npt.NDArray[np.int64]) -> list[Any]:
+    """Returns cells of a column; `None` for those that are masked."""
+    column = column.to_numpy() if hasattr(column, "to_numpy") else column
+    if hasattr(column, "unmasked"):
+        # A masked array of astropy.
+        column = np.ma.MaskedArray(np.asarray(column.unmasked), mask=column.mask)
+    cells: list[Any] = np.ma.asarray(column)[rows].tolist()
+    return cells
 
 
 def _read_columns(has: Any) -> list[str]:
@@ -298,20 +311,23 @@ def _of_tables(visits: Columns, flags: Columns, streaks: Optional[Columns] = Non
     if missing:
         raise ValueError(f"missing column {', '.join(missing)}")
     rows, count = np.asarray(flags["visit"], dtype=int), len(np.asarray(visits[band]))
-    if not np.array_equal(np.sort(rows), np.arange(count)):
+    if len(rows) != count:
         raise ValueError(f"the flags are those of {len(rows):,} visits, but there are {count:,}; allowed: the visits given to streakcast.dask.annotate")
+    if not np.array_equal(np.sort(rows), np.arange(count)):
+        raise ValueError(f"the column visit of the flags does not contain each row of the visits once; allowed: the table of streakcast.dask.read")
     columns: dict[str, Sequence[Any]] = {"observationId": rows.tolist()}
     for name in read:
         unit = OBSERVATIONS[name]
         column = visits[name]
         if getattr(column, "unit", None) is not None:
             column = getattr(column, "quantity", column)
-        columns[name] = np.asarray(column.to_value(unit) if hasattr(column, "to_value") else column)[rows].tolist()
+        columns[name] = _cells(column.to_value(unit) if hasattr(column, "to_value") else column, rows)
     for name, column in (("band", band), (TARGET, TARGET)):
         if column in names:
-            columns[name] = np.asarray(visits[column])[rows].tolist()
+            columns[name] = _cells(visits[column], rows)
     if "start_mjd_tai" in flags:
-        apart_day = np.abs(np.asarray(columns["observationStartMJD"], dtype=float) - np.asarray(flags["start_mjd_tai"], dtype=float))
+        starts = np.array([np.nan if one is None else one for one in columns["observationStartMJD"]], dtype=float)
+        apart_day = np.abs(starts - np.asarray(flags["start_mjd_tai"], dtype=float))
         if (apart_day > SAME_START_DAY).any():
             row = int(rows[np.argmax(apart_day > SAME_START_DAY)])
             raise ValueError(f"visit {row} is not the one of its flags: their starts differ; allowed: the visits given to streakcast.dask.annotate, in the same order")

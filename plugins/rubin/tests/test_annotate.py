@@ -8,6 +8,7 @@ import brute_force
 import night
 import numpy as np
 import pytest
+import streakcast
 from conftest import EVENING
 from streakcast import StreakcastWarning
 from streakcast_rubin import annotate, visit_columns
@@ -160,6 +161,13 @@ def test_the_altitude_of_the_sun_shows_a_wrong_scale(models, scale, count):
             assert len(visit_columns(table, models[4408], mjd_scale=scale)["verdict"]) == len(table)
         texts = [str(one.message) for one in caught if "Sun of the visits" in str(one.message)]
         assert len(texts) == expected and all("mjd_scale='utc' agrees" in text for text in texts), texts
+    # A visit of another epoch is invalid. At another site no scale agrees.
+    visits["mjd"][0] = 1e9
+    sydney = streakcast.StreakModel(lat=-33.9, lon=151.2, height=0, shells="starlink-gen1", telescope="rubin")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        assert visit_columns(visits, sydney, mjd_scale=scale)["verdict"][0] == "invalid"
+    assert any("Sun of the visits" in str(one.message) and "the site, the times or the unit" in str(one.message) for one in caught)
     # Columns that were not filled are not compared.
     visits["sunAlt"] = 0.0
     with warnings.catch_warnings(record=True) as caught:

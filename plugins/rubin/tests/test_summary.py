@@ -9,6 +9,7 @@ from astropy import units as u
 from astropy.coordinates import AltAz, EarthLocation, get_sun
 from astropy.table import QTable
 from astropy.time import Time
+from astropy.utils.masked import Masked
 from streakcast import StreakcastWarning
 from streakcast_rubin import survey_maps, survey_summary
 
@@ -85,6 +86,18 @@ def test_tables_of_dask_give_the_same(annotated):
     table = QTable({name: column * UNITS[name] if name in UNITS else column for name, column in visits.items()})
     table["visitExposureTime"] = table["visitExposureTime"].to("min")
     of_table = survey_summary((table, flags, streaks))
+    # Masked cells are unknown.
+    masked = QTable(table, masked=True, copy=True)
+    for name, row in (("visitExposureTime", 1), ("band", 2), ("sunAlt", 0), ("fieldRA", 5)):
+        masked[name] = Masked(masked[name], mask=np.arange(len(VISITS)) == row)
+    of_masked = survey_summary((masked, flags, streaks))
+    assert dict(zip(of_masked["band"], of_masked["unknown_visits"]))["unknown"] == 0 and set(of_masked["band"]) == {"r", "z", "unknown"}
+    assert of_masked["visits"].tolist() == [2, 1, 1, 1, 1] and of_masked["unknown_visits"].tolist() == [2, 0, 0, 0, 1]
+    assert survey_maps((masked, flags, streaks), nside=32)["visits"].max() == 3
+    with pytest.raises(ValueError, match="allowed: the path of a database, or two or three tables"):
+        survey_summary({"visit": [0]})
+    with pytest.raises(ValueError, match="does not contain each row of the visits once"):
+        survey_summary((visits, {**flags, "visit": np.zeros(len(order), dtype=int)}))
     for name, column in survey_summary(annotated).items():
         np.testing.assert_allclose(of_table[name], column, err_msg=name) if name != "band" else None
     assert np.isnan(survey_summary((visits, flags))["bright_fraction"]).all()
@@ -203,6 +216,17 @@ def test_the_altitude_of_the_sun_is_computed_if_the_survey_has_none(annotated):
         base.execute("UPDATE observations SET sunAlt = sunAlt * 0.01745")
     with pytest.raises(ValueError, match="sunAlt is .*; allowed: degrees"):
         survey_summary(annotated)
+    assert survey_maps(annotated, nside=8)["visits"].sum() > 0
+    with sqlite3.connect(annotated) as base:
+        base.execute("UPDATE observations SET sunAlt = 0")
+    edges = (-90.0, 90.0)
+    assert survey_summary(annotated, sun_edges_deg=edges)["visits"].sum() == len(VISITS)
+    with sqlite3.connect(annotated) as base:
+        base.execute("UPDATE observations SET observationStartMJD = 1e9 WHERE observationId = 7")
+    with pytest.warns(StreakcastWarning, match="summary: 1 without a start"):
+        assert survey_summary(annotated, sun_edges_deg=edges)["year"].max() == 2
+    with sqlite3.connect(annotated) as base:
+        base.execute("UPDATE observations SET observationStartMJD = ? WHERE observationId = 7", (VISITS[7][0],))
     with sqlite3.connect(annotated) as base:
         base.execute("ALTER TABLE observations DROP COLUMN sunAlt")
         base.execute("UPDATE observations SET band = NULL")

@@ -19,7 +19,7 @@ from ._exposure_queries import invalid_numbers
 from ._quantities import aligned, number
 from ._results import UNJUDGED
 from ._state import without_numbers
-from ._times import TwoPartTai, to_tai_or_nan
+from ._times import TwoPartTai, is_time, to_tai_or_nan
 from ._warnings import handle_warnings, warn
 from .model import StreakModel
 from .typing import Columns, PathLike
@@ -129,7 +129,8 @@ def annotate(
         raise ValueError("there are no visits; allowed: at least one")
     if not hasattr(client, "submit"):
         raise TypeError(f"client is of the type {type(client).__name__}; allowed: a distributed.Client")
-    if scale not in (None, "utc") and "start" not in visits.keys():
+    is_bare = "start" not in visits.keys() and not is_time(visits[OPSIM_START])
+    if is_bare and scale not in (None, "utc"):
         warn(f"opsim databases have {OPSIM_START} in UTC, but it is read as {scale}: crossings are those of other times unless the file was converted")
     output = Path(folder).absolute()
     output.mkdir(parents=True, exist_ok=True)

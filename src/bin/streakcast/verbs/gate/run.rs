@@ -141,8 +141,8 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     outcome
 }
 
-/// Returns the fault of a wait that did not end within the starts that were judged, from `first` to `until`: the clock was
-/// changed, or the machine slept.
+/// Returns the fault of a wait that did not end within the starts that were judged, from `first` to `until`: the clock
+/// was changed, or the machine slept.
 fn fault_after_wait(first: Epoch, until: Epoch, now: Epoch) -> Option<Fault> {
     let late_s = seconds_between(first, now);
     (late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S).then(|| {
@@ -188,10 +188,10 @@ fn verdict(
     let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| flags.host.target.clone());
     let duration_s = job.as_ref().and_then(|job| job.exposure).or(request.duration_s);
     let duration_s = match duration_s {
-        Some(duration_s) if (0.0..=86_400.0).contains(&duration_s) => duration_s,
+        Some(duration_s) if duration_s > 0.0 && duration_s <= 86_400.0 => duration_s,
         given => {
             let given = given.map_or("missing exposure time".to_owned(), |given| format!("exposure time is {given} s"));
-            return Err(Fault::new(FaultKind::Host, format!("{given}; allowed: 0 to 86400 s")));
+            return Err(Fault::new(FaultKind::Host, format!("{given}; allowed: above 0 s, at most 86400 s")));
         }
     };
     let (pointing, site) = pointing_and_site(flags, request, name.as_deref(), step, status)?;
