@@ -68,8 +68,8 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     shown.join(", ")
 }
 
-/// Returns the first three of several messages of one kind, and the number of the others. `what` describes them in plural,
-/// for example "targets without a window".
+/// Returns the first three of several messages of one kind, and the number of the others. `what` describes them in
+/// plural, for example "targets without a window".
 pub fn first_of(messages: impl IntoIterator<Item = String>, what: &str) -> Vec<String> {
     let mut messages = messages.into_iter();
     let mut shown: Vec<String> = messages.by_ref().take(MOST_MESSAGES).collect();

@@ -9,7 +9,7 @@ use super::document::Config;
 use super::error::request;
 use super::identify_plan::IdentifyPlan;
 use super::required::STREAK;
-use super::values::{Quantity, parse_angle_deg, parse_duration_s, parse_exposure_s};
+use super::values::{Quantity, in_range, parse_angle_deg, parse_duration_s, parse_exposure_s};
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, parse_start, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line};
@@ -78,7 +78,7 @@ pub struct IdentifyConfig {
     #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub to_pix: Option<String>,
     /// HDU of the frame, counted from 0; the only image if omitted
-    #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "N", requires = "image"))]
+    #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "N"))]
     #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub hdu: Option<usize>,
     /// DS9 region file drawn around the streak: polygons, boxes, lines or vectors in fk5, icrs or image
@@ -118,6 +118,13 @@ pub struct IdentifyConfig {
     pub time_sigma: Option<String>,
 }
 
+/// Errors (one sigma) of a streak.
+struct Sigmas {
+    place_rad: f64,
+    angle_rad: f64,
+    time_s: f64,
+}
+
 /// Line on the sky along a streak: two ends, or a middle with an angle.
 enum Line {
     Ends([Direction<Gcrs>; 2]),
@@ -152,13 +159,8 @@ impl IdentifyConfig {
             }
         };
         let (start, duration_s, timing, remarks) = self.timing(config)?;
-        let angle_deg = |what, given: &Option<String>, default_deg| {
-            given.as_deref().map_or(Ok(default_deg), |given| parse_angle_deg(what, given))
-        };
-        let place_sigma_rad = angle_deg("place-sigma", &self.place_sigma, sigma_arcsec / 3600.0)?.to_radians();
-        let time_sigma_s =
-            self.time_sigma.as_deref().map_or(Ok(TIME_SIGMA_S), |given| parse_duration_s("time-sigma", given))?;
-        let angle_sigma_rad = angle_deg("angle-sigma", &self.angle_sigma, ANGLE_SIGMA_DEG)?.to_radians();
+        let Sigmas { place_rad: place_sigma_rad, angle_rad: angle_sigma_rad, time_s: time_sigma_s } =
+            self.sigmas(sigma_arcsec)?;
         let time = (start, duration_s);
         let streak = match line {
             Line::Ends(ends) => MeasuredStreak::from_ends(ends, time, timing, place_sigma_rad, time_sigma_s)?,
@@ -180,6 +182,36 @@ impl IdentifyConfig {
             )?,
         };
         Ok(IdentifyPlan { streak, source, remarks })
+    }
+
+    /// Checks the times and errors that are the same for all streaks of a table.
+    ///
+    /// # Errors
+    /// A value is invalid.
+    #[cfg(all(feature = "fits", unix))]
+    pub(super) fn check_common(&self, config: &Config) -> Result<(), Error> {
+        self.given_exposure(config)?;
+        self.sigmas(POSITION_SIGMA_ARCSEC)?;
+        config.photometry().map(drop)
+    }
+
+    /// Returns the errors of the streak; `place_arcsec` is that of the position if none is given.
+    fn sigmas(&self, place_arcsec: f64) -> Result<Sigmas, Error> {
+        let angle_deg = |what, given: &Option<String>, default_deg| {
+            given.as_deref().map_or(Ok(default_deg), |given| parse_angle_deg(what, given))
+        };
+        let time_s = self.time_sigma.as_deref().map(|given| parse_duration_s("time-sigma", given)).transpose()?;
+        Ok(Sigmas {
+            place_rad: angle_deg("place-sigma", &self.place_sigma, place_arcsec / 3600.0)?.to_radians(),
+            angle_rad: angle_deg("angle-sigma", &self.angle_sigma, ANGLE_SIGMA_DEG)?.to_radians(),
+            time_s: in_range(
+                "time-sigma",
+                time_s.unwrap_or(TIME_SIGMA_S),
+                "s",
+                "above 0 s, at most 86400 s",
+                |seconds| seconds > 0.0,
+            )?,
+        })
     }
 
     /// Returns the configuration. If it has no site, sets the site of the frame's header, and also returns a message
@@ -262,9 +294,8 @@ impl IdentifyConfig {
         }
     }
 
-    /// Returns shutter opening and exposure time (seconds): from `self`, or else from the configuration, or else from
-    /// the frame's header, with remarks about it.
-    fn exposed(&self, config: &Config) -> Result<(Epoch, f64, Vec<String>), Error> {
+    /// Returns shutter opening and exposure time (seconds) from `self`, or else from the configuration.
+    fn given_exposure(&self, config: &Config) -> Result<(Option<Epoch>, Option<f64>), Error> {
         let given = |given: &Option<String>, configured: &Option<Quantity>| {
             given.clone().or(configured.as_ref().map(|value| value.as_str().to_owned()))
         };
@@ -272,6 +303,13 @@ impl IdentifyConfig {
         let start = given(&self.start, &config.exposure.start).map(|start| parse_start(&start, scale)).transpose()?;
         let duration_s =
             given(&self.exposure, &config.exposure.duration).map(|length| parse_exposure_s(&length)).transpose()?;
+        Ok((start, duration_s))
+    }
+
+    /// Returns shutter opening and exposure time (seconds): from `self`, or else from the configuration, or else from
+    /// the frame's header, with remarks about it.
+    fn exposed(&self, config: &Config) -> Result<(Epoch, f64, Vec<String>), Error> {
+        let (start, duration_s) = self.given_exposure(config)?;
         #[cfg(all(feature = "fits", unix))]
         if let Some(path) = &self.image {
             return super::identify_frame::exposure(path, self.hdu, start, duration_s);

@@ -1,5 +1,6 @@
 //! Identification of all streaks of tables.
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -39,14 +40,12 @@ pub struct IdentifiedStreaks {
     /// The streaks that were compared with the satellites, one row each, with `streak` and `image` in front. The last
     /// columns are `candidates`, the number of candidates, and `unknown_probability`.
     pub streaks: Table,
-    /// Number of candidates of each streak, and the probability that it is of a satellite that is missing in the
-    /// elements.
-    pub counts: Vec<(usize, f64)>,
     /// Names of the streaks that no satellite fits.
     pub without_candidate: Vec<String>,
     /// Satellites of each sky whose positions cannot be computed, with a warning if none before is the same.
     pub left_out: Vec<(Option<String>, Vec<LeftOut>)>,
-    /// Provenance of the last sky; that of no sky if no table has a streak.
+    /// Provenance of the last sky, with a site only if it is that of all skies; that of no sky if no table has a
+    /// streak.
     pub provenance: Provenance,
     /// Remarks about columns, and about sites and times in headers.
     pub remarks: Vec<String>,
@@ -54,7 +53,10 @@ pub struct IdentifiedStreaks {
     pub warnings: Vec<String>,
 }
 
-/// Sky of the last streak: streaks of one frame have the same one.
+/// Largest number of skies that are kept, for tables whose rows alternate between frames.
+const MOST_SKIES: usize = 2;
+
+/// Sky of the streaks of one frame.
 struct SkyOfFrame {
     image: Option<PathBuf>,
     span: (Epoch, Epoch),
@@ -63,11 +65,11 @@ struct SkyOfFrame {
     is_listed: bool,
 }
 
-/// Identifies all streaks of tables. Rows that cannot be used are left out, with a warning. `base` has the values for all
-/// streaks, and the frame of rows without an image.
+/// Identifies all streaks of tables. Rows that cannot be used are left out, with a warning. `base` has the values for
+/// all streaks, and the frame of rows without an image.
 ///
-/// `sky` returns the sky for the time of a streak; by default it is prepared from the configuration, whose site is that of
-/// the header of the frame if it has none.
+/// `sky` returns the sky for the time of a streak; by default it is prepared from the configuration, whose site is that
+/// of the header of the frame if it has none.
 ///
 /// # Errors
 /// A table cannot be read, the sky cannot be prepared, or no row can be used.
@@ -81,7 +83,9 @@ pub fn identify_streaks(
 ) -> Result<IdentifiedStreaks, Error> {
     let mut all = IdentifiedStreaks::new();
     let (mut invalid, mut of_observer) = (Vec::new(), Vec::new());
-    let mut last: Option<SkyOfFrame> = None;
+    base.check_common(config)?;
+    let mut has_sky = false;
+    let mut skies: VecDeque<SkyOfFrame> = VecDeque::new();
     for path in tables.paths {
         let TableStreaks { streaks, invalid: of_table, remarks, without_ends } =
             streaks_of_table(path, tables.folder, base)?;
@@ -102,18 +106,25 @@ pub fn identify_streaks(
                 }
             };
             let span = plan.span();
-            let of_frame = match last.take().filter(|last| last.image == row.streak.image && last.span == span) {
-                Some(same) => last.insert(same),
+            let known = skies.iter().position(|known| known.image == row.streak.image && known.span == span);
+            let of_frame = match known.and_then(|known| skies.remove(known)) {
+                Some(known) => known,
                 None => {
                     let prepared = match sky {
                         Some(sky) => sky(span.0, span.1)?,
                         None => prepared_at(&at_site, span, &mut all.warnings)?,
                     };
                     all.add_remarks(site.into_iter().chain(plan.remarks.iter().cloned()));
+                    all.add_provenance(&prepared.provenance, !has_sky);
+                    has_sky = true;
                     let prepared = prepared.watched(watch);
-                    last.insert(SkyOfFrame { image: row.streak.image.clone(), span, prepared, is_listed: false })
+                    SkyOfFrame { image: row.streak.image.clone(), span, prepared, is_listed: false }
                 }
             };
+            // The sky that was used last is the first one.
+            skies.truncate(MOST_SKIES - 1);
+            skies.push_front(of_frame);
+            let of_frame = &mut skies[0];
             match plan.identify(&at_site, &of_frame.prepared, settings) {
                 Ok(found) => {
                     let of_row = found.found.unknown_observer.iter();
@@ -128,13 +139,11 @@ pub fn identify_streaks(
             }
         }
     }
-    if let Some(first) = invalid.first().filter(|_| all.counts.is_empty()) {
+    if let Some(first) = invalid.first().filter(|_| all.streaks.rows.is_empty()) {
         return Err(first.clone());
     }
     all.warnings.extend(first_of(of_observer, "streaks with such a telescope"));
     all.warnings.extend(rows_left_out(&invalid));
-    // A detector may have found no streak.
-    all.provenance = last.map_or_else(Provenance::new, |last| last.prepared.provenance);
     Ok(all)
 }
 
@@ -154,13 +163,12 @@ fn prepared_at(
 impl IdentifiedStreaks {
     fn new() -> Self {
         let mut candidates = candidate_table(std::iter::empty());
-        candidates.columns.splice(0..0, OF_TABLE);
+        candidates.columns.splice(0..0, STREAK_COLUMNS);
         let measured = streak_table([]).columns;
-        let columns = OF_TABLE.into_iter().chain(measured).chain(RESULTS).collect();
+        let columns = STREAK_COLUMNS.into_iter().chain(measured).chain(RESULT_COLUMNS).collect();
         Self {
             candidates,
             streaks: Table { columns, rows: Vec::new() },
-            counts: Vec::new(),
             without_candidate: Vec::new(),
             left_out: Vec::new(),
             provenance: Provenance::new(),
@@ -175,6 +183,15 @@ impl IdentifiedStreaks {
             if !self.remarks.contains(&remark) {
                 self.remarks.push(remark);
             }
+        }
+    }
+
+    /// Replaces the provenance by that of another sky. The site is stated only if it is the same.
+    fn add_provenance(&mut self, of_sky: &Provenance, is_first: bool) {
+        let is_same_site = is_first || self.provenance.get("site") == of_sky.get("site");
+        self.provenance = of_sky.clone();
+        if !is_same_site {
+            self.provenance.remove("site");
         }
     }
 
@@ -198,16 +215,17 @@ impl IdentifiedStreaks {
         let measured = streak_table([&plan.streak]).rows.into_iter();
         let rows = measured.map(|cells| named().into_iter().chain(cells).chain(results.clone()).collect());
         self.streaks.rows.extend(rows);
-        self.counts.push((found.candidates.len(), found.unknown_probability));
     }
 }
 
-const OF_TABLE: [Column; 2] = [
+/// First columns of both tables: the streak and its frame.
+const STREAK_COLUMNS: [Column; 2] = [
     Column::new("streak", Kind::Text, "Name of the streak in its table."),
     Column::new("image", Kind::Text, "File of the frame; empty for a streak without a frame."),
 ];
 
-const RESULTS: [Column; 2] = [
+/// Last columns of the table of streaks.
+const RESULT_COLUMNS: [Column; 2] = [
     Column::new("candidates", Kind::Integer, "Number of candidates, including those that are not listed."),
     Column::real(
         "unknown_probability",

@@ -45,10 +45,10 @@ struct TimeColumns {
 
 /// Returns the streaks of a table (CSV, ECSV, ASTRiDE, a catalog of findsat_mrt, or regions of DS9).
 ///
-/// The frame of a row is that of its column `image`: the frame of `base` if it has this name, or else a file relative to
-/// `folder`, or to the folder of the table. Without this cell it is the frame of `base`. The columns `start_utc` and
-/// `duration_s`, or else the values of `base`, replace the times in the header of the frame. Ends in pixels are those of
-/// the part in the frame.
+/// The frame of a row is that of its column `image`: the frame of `base` if it has this name, or else a file relative
+/// to `folder`, or to the folder of the table. Without this cell it is the frame of `base`. The columns `start_utc` and
+/// `duration_s`, or else the values of `base`, replace the times in the header of the frame. Ends in pixels are those
+/// of the part in the frame.
 ///
 /// # Errors
 /// The table cannot be read.

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::document::Config;
 use super::error::request;
 use super::injection_plan::SkyOf;
-use super::measure::{MeasureConfig, photometry, unknown_observer_warning, with_site};
+use super::measure::{MeasureConfig, check_years, photometry, unknown_observer_warning, with_site};
 use super::prepared::PreparedSky;
 use super::required::FRAMES;
 use super::values::parse_angle_deg;
@@ -19,9 +19,10 @@ use crate::error::Error;
 use crate::frames::seconds_after;
 use crate::output::{Provenance, Table, counted};
 use crate::streaks::{
-    ChosenPlanes, FrameMask, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, PlaneChoice,
-    StreakOrigin, TargetFrame, UnusedReason, corridor_table, is_same_file_name, left_out_table, mask_frame,
-    mask_history, missing_zero_point, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
+    ChosenPlanes, FrameMask, FrameOverrides, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak,
+    PlaneChoice, StreakOrigin, TargetFrame, UnusedReason, corridor_table, is_same_file_name, left_out_table,
+    mask_frame, mask_history, missing_zero_point, read_measured_streaks, region_file, write_mask_file,
+    write_mask_planes,
 };
 use crate::watch::Watch;
 
@@ -156,8 +157,8 @@ impl MaskConfig {
     /// `sky` returns the sky of the night of a frame; by default it is prepared from the configuration for all frames.
     ///
     /// # Errors
-    /// A frame has no image, world coordinates, time or site, or no zero point for a predicted streak, a value is out of range, or a file cannot be
-    /// read or written.
+    /// A frame has no image, world coordinates, time or site, or no zero point for a predicted streak; no site is
+    /// given, and frames are of several; a value is out of range; or a file cannot be read or written.
     pub fn mask(
         &self,
         config: &Config,
@@ -168,8 +169,14 @@ impl MaskConfig {
         self.check()?;
         let (planes, bit) = (self.planes(), self.bit()?);
         let frame_config = self.frame_config();
-        let frames = self.image.iter().map(|path| self.open(&frame_config, path, config));
-        let frames: Vec<(TargetFrame, bool)> = frames.collect::<Result<_, _>>()?;
+        let overrides = frame_config.overrides(config)?;
+        let frames = self.image.iter().map(|path| self.open(&frame_config, &overrides, path, config));
+        let mut frames: Vec<(TargetFrame, bool)> = frames.collect::<Result<_, _>>()?;
+        let mut other_sites = Vec::new();
+        let (config, remark) = with_site(config, &mut frames, &mut other_sites)?;
+        if let Some((_, error)) = other_sites.into_iter().next() {
+            return Err(error);
+        }
         let count = frames.len();
         // Planes of all frames are checked before a mask is computed and written.
         let planes_of = |(frame, _): &(TargetFrame, bool)| {
@@ -184,7 +191,6 @@ impl MaskConfig {
         };
         let tables = config.measured.iter().map(|path| read_measured_streaks(path)).collect::<Result<Vec<_>, _>>()?;
         let measured: Vec<MeasuredStreak> = tables.iter().flat_map(|table| table.streaks.iter().cloned()).collect();
-        let (config, remark) = with_site(config, &frames)?;
         let shared_sky: Arc<PreparedSky> = match sky {
             Some(sky) => sky(first)?,
             None => Arc::new(config.prepare(first, last)?),
@@ -343,8 +349,15 @@ impl MaskConfig {
         }
     }
 
-    fn open(&self, frame_config: &MeasureConfig, path: &Path, config: &Config) -> Result<(TargetFrame, bool), Error> {
-        let (frame, is_calibrated) = frame_config.open(path, config)?;
+    fn open(
+        &self,
+        frame_config: &MeasureConfig,
+        overrides: &FrameOverrides,
+        path: &Path,
+        config: &Config,
+    ) -> Result<(TargetFrame, bool), Error> {
+        let (frame, is_calibrated) = frame_config.open(path, overrides)?;
+        check_years(&frame)?;
         // Measured streaks can be masked without a zero point.
         if !is_calibrated && self.width.is_none() && config.measured.is_empty() {
             return Err(missing_zero_point(&frame, ""));

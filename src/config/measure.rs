@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use hifitime::TimeScale;
 use serde::Deserialize;
 
 use super::document::Config;
@@ -12,9 +13,9 @@ use super::measured_tables::{MeasuredTables, identify_listed, rows_left_out};
 use super::required::FRAMES;
 use super::values::{parse_angle_deg, parse_exposure_s};
 use crate::error::Error;
-use crate::frames::{parse_start, seconds_after};
+use crate::frames::{is_covered, parse_start, seconds_after};
 use crate::geometry::Site;
-use crate::images::{Calibration, CountBasis, FrameFile};
+use crate::images::{Calibration, CountBasis, FrameFile, HeaderSite};
 use crate::measure::{
     CatalogueStar, Estimate, FrameMeasurements, FrameOptions, ListedMeasurement, MeasureOptions, MeasuredPass,
     StarTable, StarZeroPoint, ZeroPoints, listed_table, measure_frame, measure_listed, measurement_table,
@@ -23,7 +24,7 @@ use crate::measure::{
 use crate::message::first_of;
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
-use crate::passes::Sky;
+use crate::passes::{Sky, no_ephemeris};
 use crate::photometry::{Band, PhotometryOptions};
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 use crate::watch::Watch;
@@ -32,6 +33,12 @@ use crate::watch::Watch;
 const SEEING_PIX: f64 = 4.0;
 /// Relative difference between the given seeing and that of the stars above which there is a warning.
 const SEEING_TOLERANCE: f64 = 0.1;
+
+/// Largest distance of the sites in the headers of the frames of one run, km.
+const ONE_SITE_KM: f64 = 1.0;
+
+/// File of a frame that cannot be used, with the reason.
+type FrameError = (PathBuf, Error);
 
 /// Frames and options of a measurement, in addition to [`Config`].
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -132,7 +139,7 @@ impl MeasureConfig {
     ///
     /// `sky` returns the sky of the night of a frame; by default it is prepared from the configuration for all frames.
     /// Streaks of tables need no satellites. Frames without an image, world coordinates, a time or a site are left out,
-    /// with a warning.
+    /// with a warning; so are those of another site than the first, if none is given.
     ///
     /// # Errors
     /// No frame is left, a table is invalid, or a value is out of range.
@@ -144,31 +151,35 @@ impl MeasureConfig {
         let place_sigma = self.place_sigma.as_deref().map(|text| parse_angle_deg("place-sigma", text)).transpose()?;
         let table = self.star_table()?;
         let mut listed = MeasuredTables::read(&self.streaks, self.streaks_folder.as_deref(), &self.image)?;
-        let mut frames: Vec<(TargetFrame, bool)> = Vec::new();
-        let mut unreadable: Vec<Error> = Vec::new();
+        let overrides = self.overrides(config)?;
+        let has_sky = self.streaks.is_empty() || sky.is_some() || config.has_satellites();
+        let (mut frames, mut failed): (Vec<(TargetFrame, bool)>, Vec<FrameError>) = Default::default();
         for path in std::mem::take(&mut listed.frames) {
-            match self.open(&path, config) {
-                Ok(frame) => {
-                    frames.push(frame);
-                    listed.frames.push(path);
+            let opened = self.open(&path, &overrides).and_then(|(frame, is_calibrated)| {
+                if has_sky {
+                    check_years(&frame)?;
                 }
-                Err(error) if self.image.contains(&path) => unreadable.push(error),
-                // The rows that name this frame are invalid, not the request.
-                Err(error) => {
-                    let rows = listed.streaks_of(&path);
-                    listed.invalid.extend(rows.iter().map(|row| row.origin.of(error.clone())));
-                }
+                Ok((frame, is_calibrated))
+            });
+            match opened {
+                Ok(frame) => frames.push(frame),
+                Err(error) => failed.push((path, error)),
             }
         }
-        if let Some(first) = unreadable.first().filter(|_| frames.is_empty()) {
+        let (config, remark) =
+            if has_sky { with_site(config, &mut frames, &mut failed)? } else { (config.clone(), None) };
+        listed.frames = frames.iter().map(|(frame, _)| frame.file.path().to_owned()).collect();
+        let (unreadable, of_rows): (Vec<FrameError>, Vec<FrameError>) =
+            failed.into_iter().partition(|(path, _)| self.image.contains(path));
+        // The rows that name a frame which cannot be used are invalid, not the request.
+        of_rows.iter().for_each(|(path, error)| listed.leave_out_rows_of(path, error));
+        if let Some((_, first)) = unreadable.first().filter(|_| frames.is_empty()) {
             return Err(first.clone());
         }
         let (first, last) = (
             frames.iter().map(|(frame, _)| frame.opened).min(),
             frames.iter().map(|(frame, _)| seconds_after(frame.opened, frame.exposure_s)).max(),
         );
-        let has_sky = self.streaks.is_empty() || sky.is_some() || config.has_satellites();
-        let (config, remark) = if has_sky { with_site(config, &frames)? } else { (config.clone(), None) };
         let of_all = match (first.zip(last), sky) {
             (None, _) if self.streaks.is_empty() => {
                 return Err(FRAMES.missing());
@@ -261,7 +272,7 @@ impl MeasureConfig {
             return Err(first.clone());
         }
         warnings.extend(rows_left_out(&listed.invalid));
-        let left_out_frames = unreadable.iter().map(|error| format!("{error}; the frame is left out"));
+        let left_out_frames = unreadable.iter().map(|(_, error)| format!("{error}; the frame is left out"));
         warnings.extend(first_of(left_out_frames, "frames left out"));
         let has_distance = |row: &ListedMeasurement| {
             row.measured.as_ref().is_ok_and(|pass| {
@@ -309,32 +320,37 @@ impl MeasureConfig {
         Ok(Some(table.in_colours(range)?))
     }
 
-    /// Opens a frame; returns it and whether it has a zero point.
-    pub(super) fn open(&self, path: &Path, config: &Config) -> Result<(TargetFrame, bool), Error> {
+    /// Returns the given values that replace those of the headers.
+    ///
+    /// # Errors
+    /// A value is invalid.
+    pub(super) fn overrides(&self, config: &Config) -> Result<FrameOverrides, Error> {
         let scale = config.time_scale()?;
-        let start = self.start.as_deref().map(|start| parse_start(start, scale)).transpose()?;
-        let duration_s = self.exposure.as_deref().map(parse_exposure_s).transpose()?;
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
             return Err(Error::invalid("gain", format_args!("{gain} e/count"), "above 0 e/count"));
         }
         if let Some(level) = self.saturation.filter(|level| !(*level > 0.0 && level.is_finite())) {
             return Err(Error::invalid("saturation", format_args!("{level}"), "above 0, in the unit of the frame"));
         }
-        let given = self.zero_point.map(|mag| (mag, CountBasis::Frame));
-        let given = given.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second)));
-        let is_calibrated = self.stars.is_none() && (given.is_some() || has_zero_point(path, &self.hdu)?);
-        // Magnitude 0 for one count: -2.5 log10 of the counts.
-        let zero_point = if is_calibrated { given } else { Some((0.0, CountBasis::Frame)) };
-        let overrides = FrameOverrides {
-            start,
-            duration_s,
+        let zero_point = self.zero_point.map(|mag| (mag, CountBasis::Frame));
+        Ok(FrameOverrides {
+            start: self.start.as_deref().map(|start| parse_start(start, scale)).transpose()?,
+            duration_s: self.exposure.as_deref().map(parse_exposure_s).transpose()?,
             hdus: self.hdu.clone(),
-            zero_point,
+            zero_point: zero_point.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second))),
             gain_e_adu: self.gain,
             saturation: self.saturation,
             pixel_scale_arcsec: None,
-        };
-        Ok((TargetFrame::open(path, &overrides)?, is_calibrated))
+        })
+    }
+
+    /// Opens a frame; returns it and whether it has a zero point.
+    pub(super) fn open(&self, path: &Path, given: &FrameOverrides) -> Result<(TargetFrame, bool), Error> {
+        let has_given = given.zero_point.is_some();
+        let is_calibrated = self.stars.is_none() && (has_given || has_zero_point(path, &self.hdu)?);
+        // Magnitude 0 for one count: -2.5 log10 of the counts.
+        let zero_point = if is_calibrated { given.zero_point } else { Some((0.0, CountBasis::Frame)) };
+        Ok((TargetFrame::open(path, &FrameOverrides { zero_point, ..given.clone() })?, is_calibrated))
     }
 
     /// Returns the optics, and whether their seeing is given.
@@ -422,13 +438,68 @@ fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, Error> {
     Ok(false)
 }
 
-/// Returns the configuration. If it has no site, sets the site of the first frame's header, and also returns a remark
-/// with that site.
-pub(super) fn with_site(config: &Config, frames: &[(TargetFrame, bool)]) -> Result<(Config, Option<String>), Error> {
-    match frames.first().filter(|_| config.takes_site_of_frame()) {
-        Some((frame, _)) => config.at_site_of_header(frame.site()?.as_ref(), &frame.file.path().display().to_string()),
-        None => Ok((config.clone(), None)),
+/// Checks that a frame is of the years of the ephemeris of Sun and Earth.
+pub(super) fn check_years(frame: &TargetFrame) -> Result<(), Error> {
+    let times = [frame.opened, seconds_after(frame.opened, frame.exposure_s)];
+    match times.into_iter().find(|time| !is_covered(*time)) {
+        Some(time) => Err(no_ephemeris(time.to_time_scale(TimeScale::UTC)).in_file("", frame.file.path())),
+        None => Ok(()),
     }
+}
+
+/// Returns the configuration. If it has no site, sets that of the first header that has one, and also returns a remark
+/// with that site. Frames whose headers have another site, or none, are moved to `failed`.
+///
+/// # Errors
+/// There is no site.
+pub(super) fn with_site(
+    config: &Config,
+    frames: &mut Vec<(TargetFrame, bool)>,
+    failed: &mut Vec<FrameError>,
+) -> Result<(Config, Option<String>), Error> {
+    if !config.takes_site_of_frame() {
+        return Ok((config.clone(), None));
+    }
+    let mut first: Option<(HeaderSite, PathBuf)> = None;
+    let mut with_sites = Vec::new();
+    for (frame, is_calibrated) in frames.drain(..) {
+        let path = frame.file.path().to_owned();
+        match frame.site() {
+            Ok(site) => {
+                first = first.or_else(|| site.clone().map(|site| (site, path)));
+                with_sites.push(((frame, is_calibrated), site));
+            }
+            Err(error) => failed.push((path, error)),
+        }
+    }
+    for (frame, own) in with_sites {
+        let path = frame.0.file.path();
+        match first.as_ref().and_then(|(site, of)| Some(other_site(own.as_ref(), site, of)?.in_file("", path))) {
+            Some(error) => failed.push((path.to_owned(), error)),
+            None => frames.push(frame),
+        }
+    }
+    let path = match (&first, frames.first()) {
+        (Some((_, path)), _) => path,
+        (None, Some((frame, _))) => frame.file.path(),
+        (None, None) => return Ok((config.clone(), None)),
+    };
+    config.at_site_of_header(first.as_ref().map(|(site, _)| site), &path.display().to_string())
+}
+
+/// Returns the error of a site in a header that is not `site`, which is that of the frame `of`; `None` if it is the
+/// same.
+fn other_site(own: Option<&HeaderSite>, site: &HeaderSite, of: &Path) -> Option<Error> {
+    let given = match own.map(|own| own.site.distance_km(&site.site)) {
+        Some(distance_km) if distance_km <= ONE_SITE_KM => return None,
+        Some(distance_km) => format!("{distance_km:.0} km from that of {}", of.display()),
+        None => "missing".to_owned(),
+    };
+    Some(Error::invalid(
+        "the site in the header",
+        given,
+        "one run for each site, or --site or --lat and --lon for all frames",
+    ))
 }
 
 /// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.

@@ -34,8 +34,8 @@ pub(super) struct MeasuredTables {
 
 impl MeasuredTables {
     /// Reads tables and finds the frames of their rows: the given `frames` of that name, or else the file relative to
-    /// `folder`, or to that of the table. Rows of a single table without a name are of all frames; those of several tables
-    /// are of the frame at the place of the table.
+    /// `folder`, or to that of the table. Rows of a single table without a name are of all frames; those of several
+    /// tables are of the frame at the place of the table.
     ///
     /// # Errors
     /// A table is invalid, or no row is valid.
@@ -75,6 +75,13 @@ impl MeasuredTables {
             Some(first) if found.tables.iter().all(|(list, _)| list.streaks.is_empty()) => Err(first.clone()),
             _ => Ok(found),
         }
+    }
+
+    /// Adds the rows that name a frame to the invalid ones.
+    pub fn leave_out_rows_of(&mut self, frame: &Path, error: &Error) {
+        let streaks = self.tables.iter().flat_map(|(list, _)| &list.streaks);
+        let rows = streaks.filter(|streak| streak.image.as_ref().is_some_and(|image| Path::new(image) == frame));
+        self.invalid.extend(rows.map(|row| row.origin.of(error.clone())));
     }
 
     /// Returns the streaks of a frame, in the order of the tables.

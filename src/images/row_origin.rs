@@ -21,8 +21,8 @@ impl RowOrigin {
         Self { path: path.to_owned(), number, is_line: lines_before_rows.is_none() }
     }
 
-    /// Puts the table and the row before the message of an error, which may name another file such as the frame. An error
-    /// that names the table is returned unchanged.
+    /// Puts the table and the row before the message of an error, which may name another file such as the frame. An
+    /// error that names the table is returned unchanged.
     pub fn of(&self, error: Error) -> Error {
         if error.file() == Some(self.path.as_path()) {
             return error;

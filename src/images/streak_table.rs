@@ -1,6 +1,6 @@
 //! Table of streaks that a user or a detector of streaks wrote, one row a streak: the ends of each streak in pixels or on
-//! the sky, and the frame to which it belongs. Upper and lower case of the names of columns are equivalent, unless names
-//! differ in nothing else.
+//! the sky, and the frame to which it belongs. Upper and lower case of the names of columns are equivalent, unless
+//! names differ in nothing else.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -195,8 +195,10 @@ impl TableRows {
         }
         let renamed = |name: &str| {
             let lower = name.to_ascii_lowercase();
-            if counts[&lower] > 1 { name.to_owned() } else { lower }
+            let is_ambiguous = counts.get(&lower).is_some_and(|count| *count > 1);
+            if is_ambiguous { name.to_owned() } else { lower }
         };
+        // The header of an ECSV file may have units of columns that its line of names lacks.
         let names = self.names.iter().map(|name| renamed(name)).collect();
         let units = self.units.iter().map(|(name, unit)| (renamed(name), unit.clone())).collect();
         Self { names, units, ..self }
@@ -437,6 +439,28 @@ mod tests {
             let error = row.number_in(ra, [0.0, 1.0]).unwrap_err().to_string();
             assert_eq!(error, format!("line {line}: ra_deg is '1.5'; allowed: a number from 0 to 1"));
             assert!(rows.next().is_none());
+        }
+    }
+
+    #[test]
+    fn units_of_columns_that_a_table_lacks_are_ignored() {
+        // A QTable of astropy with a TimeDelta in two columns, and a header with one column more.
+        let header = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: RA, unit: hourangle, datatype: float64}\n";
+        for (more, names, row) in [
+            (
+                "# - {name: dt.jd1, unit: d, datatype: float64}\n# - {name: dt.jd2, unit: d, datatype: float64}\n\
+                 # meta: !!omap\n# - __serialized_columns__:\n#     dt: {__class__: astropy.time.core.TimeDelta, \
+                 format: jd, unit: d, jd1: !astropy.table.SerializedColumn {name: dt.jd1}, \
+                 jd2: !astropy.table.SerializedColumn {name: dt.jd2}}\n",
+                "RA dt.jd1 dt.jd2",
+                "1.5 0.0 0.1",
+            ),
+            ("# - {name: WIDTH, unit: pix, datatype: float64}\n", "RA", "1.5"),
+        ] {
+            let text = format!("{header}{more}{names}\n{row}\n");
+            let mut rows = TableRows::new(text).unwrap().in_lower_case();
+            let ra = rows.numbers(&["ra_deg", "ra"], &DEGREES, "").unwrap();
+            assert_eq!(rows.next().unwrap().unwrap().number(ra), Some(22.5), "{names}");
         }
     }
 

@@ -131,8 +131,8 @@ fn hdus(frame: &TargetFrame) -> Vec<usize> {
 /// Measures streaks of a table in a frame. A streak has at least one row: one for each chip that it reaches, or one with
 /// the reason why it is not measured.
 ///
-/// `place_sigma_arcsec` is the position error (one sigma) of the ends; three pixels if it is `None`. A streak with an HDU
-/// or a time that is not of the frame has no row; `invalid` gets its error.
+/// `place_sigma_arcsec` is the position error (one sigma) of the ends; three pixels if it is `None`. A streak with an
+/// HDU or a time that is not of the frame has no row; `invalid` gets its error.
 ///
 /// # Errors
 /// Pixels cannot be read, or the image of a star cannot be drawn.

@@ -1,10 +1,11 @@
-//! Light of a streak that is not seen: on masked pixels, on pixels without a value, or outside of the illuminated area.
+//! Hidden light: the share of a streak's light on masked pixels, on pixels without a value, or outside of the
+//! illuminated area.
 
 use super::band::Band;
 use crate::images::LightArea;
 
-/// Returns the smallest share of a streak's light on pixels with a value, for streaks up to `reach` pixels beside the drawn one;
-/// pixels outside the illuminated area do not count.
+/// Returns the smallest share of a streak's light on pixels with a value, for streaks up to `reach` pixels beside the
+/// drawn one; pixels outside the illuminated area do not count.
 pub(super) fn least_usable_beside(band: &Band, template: &[f32], light_area: &LightArea, reach: isize) -> f64 {
     let share = |shift: isize| {
         let (mut all, mut light, mut usable) = (0.0, 0.0, 0.0);

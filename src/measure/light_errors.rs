@@ -9,8 +9,8 @@ use crate::streaks::Optics;
 
 impl Measuring<'_> {
     /// Returns the error (one sigma) of the amplitude that the error of the satellite's size causes: half of the
-    /// difference of the amplitudes with the size one sigma larger and one sigma smaller. If the width is fitted, it stays
-    /// the same: a smaller size is compensated by a wider seeing.
+    /// difference of the amplitudes with the size one sigma larger and one sigma smaller. If the width is fitted, it
+    /// stays the same: a smaller size is compensated by a wider seeing.
     pub(super) fn size_sigma(
         &mut self,
         band: &Band,

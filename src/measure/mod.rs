@@ -7,13 +7,13 @@
 //! `background` subtracts the sky for the search, `corridor` describes the track by columns of pixels across it, and
 //! `search` is the matched filter. `band` holds the pixels around one streak, and `stars` masks the stars in a band.
 //! `fit` is the weighted least-squares fit of the drawn streak, `width` fits the seeing, and `noise` computes the
-//! errors of the sky, `light_errors` the others. `align` finds the first position of a bright streak, `narrow` that of a
-//! narrow one, and `ends` the delay and the ends; `hidden_light` computes the share of the light that is not seen. `streak`
-//! combines them into a [`StreakMeasurement`]; `measurement` defines this type and the inputs. `cut`
-//! returns the pixels along a measured track. `predict` computes the tracks of the satellites of a sky, `star_table`
-//! reads stars of known magnitude, `zero_point` measures these stars, `frame` measures whole files
-//! without the pixels that `bad_pixels` finds in masks and variances and with the values of saturation that `levels` finds,
-//! `given` measures the streaks of a table,
+//! errors of the sky, `light_errors` the others. `align` finds the first position of a bright streak, `narrow` that of
+//! a streak less than 1.6 pixels wide, and `ends` the delay and the ends; `hidden_light` computes the share of a
+//! streak's light on masked pixels and outside of the illuminated area. `streak` combines them into a
+//! [`StreakMeasurement`]; `measurement` defines this type and the inputs. `cut` returns the pixels along a measured
+//! track. `predict` computes the tracks of the satellites of a sky, `star_table` reads stars of known magnitude,
+//! `zero_point` measures these stars, `frame` measures whole files without the pixels that `bad_pixels` finds in masks
+//! and variances and with the values of saturation that `levels` finds, `given` measures the streaks of a table,
 //! `pass_prediction` corrects predicted magnitudes by earlier streaks of the same pass, and `table` creates the output
 //! tables.
 //!

@@ -1,4 +1,5 @@
-//! First position of a narrow streak: the best one of a grid that is finer than the steps of the search.
+//! First position of a narrow streak, less than [`NARROW_PIX`] wide: the best one of a grid that is finer than the
+//! steps of the search.
 
 use super::band::Band;
 use super::fit::{Blocks, combined, fit_blocks};
@@ -17,8 +18,8 @@ const GRID_WIDTHS: f64 = 0.4;
 const LEAST_WIDTH_PIX: f64 = 0.8;
 
 impl Measuring<'_> {
-    /// Returns, for a narrow streak, the shift with the most significant light of a fine grid of offsets and tilts around
-    /// `shift`, with stars masked; otherwise `shift`.
+    /// Returns, for a narrow streak, the shift with the most significant light of a fine grid of offsets and tilts
+    /// around `shift`, with stars masked; otherwise `shift`.
     pub(super) fn best_if_narrow(
         &self,
         band: &Band,

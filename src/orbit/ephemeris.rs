@@ -1,8 +1,8 @@
 //! Interpolated ephemeris of one satellite: states in TEME, and errors from the covariance.
 //!
 //! The velocities of the file are not used: in the public Starlink ephemerides they differ from the derivative of the
-//! positions by 4.5 m/s after the second day, which would be an error of 0.3 km at the ends of a Hermite polynomial. The
-//! states of the polynomial are chosen in [`nodes`](super::nodes).
+//! positions by 4.5 m/s after the second day, which would be an error of 0.3 km at the ends of a Hermite polynomial.
+//! The states of the polynomial are chosen in [`nodes`](super::nodes).
 
 use std::fmt;
 use std::sync::Arc;

@@ -136,14 +136,14 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Creates the temporary file in the folder of `target`, and this folder if it is missing. If `target` is a symbolic link, the file it points to is
-    /// replaced, and the link is kept. The new file gets the permissions of the file that it replaces and, where the
-    /// system allows it, owner and group; otherwise the permissions that the umask leaves. Other hard links to the
-    /// replaced file keep its old content.
+    /// Creates the temporary file in the folder of `target`, and this folder if it is missing. If `target` is a
+    /// symbolic link, the file it points to is replaced, and the link is kept. The new file gets the permissions of the
+    /// file that it replaces and, where the system allows it, owner and group; otherwise the permissions that the umask
+    /// leaves. Other hard links to the replaced file keep its old content.
     ///
     /// # Errors
-    /// The folder cannot be created or is not writable; the target is a directory, a pipe or a device; or symbolic links
-    /// form a circle.
+    /// The folder cannot be created or is not writable; the target is a directory, a pipe or a device; or symbolic
+    /// links form a circle.
     pub fn new(target: &Path) -> io::Result<Self> {
         let target = replaceable(target)?;
         let folder = folder_of(&target).to_owned();
@@ -173,14 +173,15 @@ impl AtomicFile {
         Err(folder_error(folder, &busy()))
     }
 
-    /// Checks that a file can be created at `target`, for use before a long computation. Nothing is created: in place of a
-    /// missing folder the one in which it would be created is checked.
+    /// Checks that a file can be created at `target`, for use before a long computation. Nothing is created: in place
+    /// of a missing folder the one in which it would be created is checked.
     ///
     /// # Errors
     /// Same as [`new`](AtomicFile::new).
     pub fn check(target: &Path) -> io::Result<()> {
         let target = replaceable(target)?;
         let folder = folder_of(&target).to_owned();
+        check_links(&folder)?;
         let existing = folder.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
         Self::begin(target, existing).map(drop)
     }
@@ -303,7 +304,27 @@ fn folder_of(target: &Path) -> &Path {
 
 /// Creates the folder of an output if it is missing.
 fn create_folder(folder: &Path) -> io::Result<()> {
+    check_links(folder)?;
     std::fs::create_dir_all(folder).map_err(|error| folder_error(folder, &error))
+}
+
+/// Checks that no part of the path of a folder is a symbolic link to a missing folder, which cannot be created.
+fn check_links(folder: &Path) -> io::Result<()> {
+    match folder.ancestors().find(|part| part.is_symlink() && !part.exists()) {
+        Some(link) => {
+            let reason =
+                "is a symbolic link to a missing folder; allowed: an existing folder, or the name of a new one";
+            Err(io::Error::new(io::ErrorKind::NotFound, format!("folder {} {reason}", link.display())))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Returns true for a path that can only be that of a folder: it ends in `/`, `.` or `..`.
+fn is_path_of_folder(path: &Path) -> bool {
+    let last = path.as_os_str().to_string_lossy();
+    let last = last.rsplit(std::path::is_separator).next().unwrap_or_default();
+    matches!(last, "" | "." | "..")
 }
 
 /// Returns the file behind the symbolic links of `target`.
@@ -311,6 +332,12 @@ fn create_folder(folder: &Path) -> io::Result<()> {
 /// # Errors
 /// It is a directory, a pipe or a device, or the links form a circle.
 fn replaceable(target: &Path) -> io::Result<PathBuf> {
+    if is_path_of_folder(target) && !target.exists() {
+        return Err(io::Error::new(
+            io::ErrorKind::IsADirectory,
+            "is the name of a folder; allowed: the name of a file",
+        ));
+    }
     let target = behind_links(target)?;
     if target.is_dir() {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory; allowed: the name of a file"));
@@ -560,5 +587,33 @@ mod tests {
             }
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn paths_of_folders_are_not_files() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["new1/", "new1/.", "new1/..", "new1/below/", ""] {
+            let target = if name.is_empty() { PathBuf::new() } else { folder.path().join(name) };
+            for error in [check_target(&target).unwrap_err(), AtomicFile::new(&target).unwrap_err()] {
+                assert_eq!(error.to_string(), "is the name of a folder; allowed: the name of a file", "{name}");
+            }
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_missing_folders_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink(folder.path().join("missing"), &link).unwrap();
+        for target in [link.join("out.csv"), link.join("new/out.csv")] {
+            for error in [check_target(&target).unwrap_err(), AtomicFile::new(&target).unwrap_err()] {
+                let text = error.to_string();
+                assert!(text.starts_with(&format!("folder {} is a symbolic link", link.display())), "{text}");
+                assert!(text.contains("; allowed: "), "{text}");
+            }
+        }
+        assert!(!folder.path().join("missing").exists());
     }
 }

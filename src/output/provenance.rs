@@ -32,6 +32,11 @@ impl Provenance {
         }
     }
 
+    /// Removes the entry with this name.
+    pub fn remove(&mut self, name: &str) {
+        Arc::make_mut(&mut self.entries).retain(|(known, _)| known != name);
+    }
+
     /// Adds or replaces several entries.
     pub fn state_all(&mut self, statements: impl IntoIterator<Item = (&'static str, Value)>) {
         statements.into_iter().for_each(|(name, value)| self.state(name, value));

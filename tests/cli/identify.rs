@@ -310,8 +310,9 @@ fn streaks_of_tables_and_detectors_are_identified() {
     for words in ["streaks without ends are left out: empty, part", "line 5: ", "line 6: "] {
         assert!(error.contains(words), "{words}: {error}");
     }
-    // A cell that is not a number or a number of cells that is wrong leaves out its row, and so does a frame that is missing.
-    // Of columns that differ in upper and lower case only, the one in lower case is used; others do not matter.
+    // A cell that is not a number or a number of cells that is wrong leaves out its row, and so does a frame that is
+    // missing. Of columns that differ in upper and lower case only, the one in lower case is used; others do not
+    // matter.
     let text = format!("text,,1,abc,{y1},{x2},{y2},1,2\ncells,1\nmissing,no.fits,1,{x1},{y1},{x2},{y2},1,2\n");
     let text = format!("id,image,X1_PIX,x1_pix,y1_pix,x2_pix,y2_pix,SNR,snr\n{text}good,,1,{x1},{y1},{x2},{y2},1,2\n");
     std::fs::write(&table, &text).unwrap();
@@ -406,4 +407,62 @@ fn streaks_of_tables_and_detectors_are_identified() {
     std::fs::write(&findsat, &findsat_catalogue(&[])[..2880]).unwrap();
     let (code, _, error) = run(&[&["identify", "--streaks", &findsat, "--image", &frame], &satellites]);
     assert!(code == 2 && error.contains("such as a catalog of findsat_mrt"), "{error}");
+}
+
+/// An invalid option is not an error of a row. Each frame has its own site, and rows that alternate between frames are
+/// the same as rows in order.
+#[cfg(unix)]
+#[test]
+fn options_are_checked_before_rows_and_each_frame_has_its_site() {
+    use crate::common::injected::{unrounded, with_new_cards};
+    let folder = tempfile::TempDir::new().unwrap();
+    let [description, frame, table] = ["wide.toml", "a.fits", "streaks.csv"].map(|name| path(&folder, name));
+    std::fs::write(&description, unrounded().replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")).unwrap();
+    done(&[
+        &["inject", "--synthetic", &description, "-o", &frame, "--seeing", "90arcsec", "--quiet", "--mpc", "X05"],
+        &["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"],
+        &["--shells", "starlink-gen1"],
+    ]);
+    let bytes = std::fs::read(&frame).unwrap();
+    for (name, latitude_deg, longitude_deg) in
+        [("chile.fits", "-30.2446", "-70.7494"), ("peru.fits", "-16.4", "-71.5"), ("same.fits", "-30.2446", "-70.7494")]
+    {
+        let cards = [("OBSGEO-B", latitude_deg), ("OBSGEO-L", longitude_deg), ("OBSGEO-H", "2600.0")];
+        std::fs::write(path(&folder, name), with_new_cards(&bytes, &cards)).unwrap();
+    }
+    let identified = |frames: &[&str], more: &[&str]| {
+        let rows: String =
+            frames.iter().enumerate().map(|(row, frame)| format!("{row},{frame}.fits,10,10,300,200\n")).collect();
+        std::fs::write(&table, format!("id,image,x1_pix,y1_pix,x2_pix,y2_pix\n{rows}")).unwrap();
+        run(&[&["identify", "--streaks", &table, "--shells", "starlink-gen1", "--place-sigma", "2deg"], more])
+    };
+    let answer = |frames: &[&str], more: &[&str]| -> Value {
+        let (_, found, error) = identified(frames, &[&["--format", "json"], more].concat());
+        serde_json::from_str(&found).unwrap_or_else(|_| panic!("{frames:?}: {error}"))
+    };
+    let site = |frames: &[&str]| answer(frames, &[])["provenance"]["site"].clone();
+    assert!(site(&["chile", "same"]).to_string().contains("-30.2446"));
+    assert!(site(&["chile", "peru"]).is_null() && site(&["chile", "peru", "chile"]).is_null());
+    // An HDU without --image is that of the frames in the table.
+    let (alternating, in_order) =
+        (answer(&["chile", "peru", "chile"], &["--hdu", "0"]), answer(&["chile", "chile", "peru"], &[]));
+    let candidates = |answer: &Value, row: usize| answer["streaks"][row]["unknown_probability"].clone();
+    assert!(candidates(&alternating, 0).is_number());
+    assert_eq!(candidates(&alternating, 0), candidates(&alternating, 2));
+    assert_eq!([0, 2, 1].map(|row| candidates(&alternating, row)), [0, 1, 2].map(|row| candidates(&in_order, row)));
+    for (options, words) in [
+        (&["--time-sigma", "0s"][..], "error: time-sigma is 0"),
+        (&["--exposure", "-5s"], "error: exposure is -5 s; allowed"),
+        (&["--start", "banana"], "error: invalid time 'banana'; allowed"),
+        (&["--band", "banana"], "error: unknown band \"banana\""),
+    ] {
+        let (code, _, error) = identified(&["chile"], options);
+        assert!(code == 2 && error.starts_with(words), "{options:?}: {error}");
+    }
+    let arguments = ["identify", "--streaks", &table, "--shells", "starlink-gen1", "--place-sigma", "banana"];
+    let (code, _, error) = run(&[&arguments]);
+    assert!(code == 2 && error.starts_with("error: invalid place-sigma 'banana'; allowed"), "{error}");
+    let ends = ["identify", "--end", "198,7", "--end", "199,7.5", "--hdu", "0", "--shells", "starlink-gen1"];
+    let (code, _, error) = run(&[&ends]);
+    assert!(code == 2 && error.contains("missing frame of --hdu; specify --image"), "{error}");
 }

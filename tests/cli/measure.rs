@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::common::cli::{done, json, path, published_constellation, records, run};
-use crate::common::injected::{SKY, column, numbers, unrounded};
+use crate::common::injected::{SKY, column, numbers, unrounded, with_card, with_new_cards};
 use tempfile::TempDir;
 
 /// Largest difference of measured and true flux in sigmas, and the largest bias.
@@ -321,6 +321,56 @@ fn invalid_input_is_named() {
     }
     let (code, _, stderr) = run(&[&["measure"], SATELLITES]);
     assert!(code == 2 && stderr.contains("missing frames"), "{stderr}");
+}
+
+/// Without a given site, all frames of a run are at one site. Frames of another one, of no site, and of years without an
+/// ephemeris are left out by `measure`, and an error of `mask`.
+#[test]
+fn frames_of_another_site_or_century_are_named() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let bytes = fs::read(&frame).unwrap();
+    let at = |name: &str, latitude_deg: &str, longitude_deg: &str| {
+        let file = path(&folder, name);
+        let cards = [("OBSGEO-B", latitude_deg), ("OBSGEO-L", longitude_deg), ("OBSGEO-H", "2600.0")];
+        fs::write(&file, with_new_cards(&bytes, &cards)).unwrap();
+        file
+    };
+    let chile = at("chile.fits", "-30.2446", "-70.7494");
+    let neighbour = at("neighbour.fits", "-30.2500", "-70.7494");
+    let hawaii = at("hawaii.fits", "19.8", "-155.5");
+    let old = path(&folder, "old.fits");
+    let early = with_card(&fs::read(&chile).unwrap(), "DATE-OBS", "'1930-08-14T23:29'");
+    fs::write(&old, with_card(&early, "MJD-OBS", "26202.9784722222")).unwrap();
+    let satellites = &["--shells", "starlink-gen1"][..];
+    let apart = |km: &str| format!(": the site in the header is {km} km from that of ");
+    let none = ": the site in the header is missing; allowed: one run for each site, or --site or".to_owned();
+    let years = ": 1930-08-14T23:29:00 UTC is outside the years of the ephemeris".to_owned();
+    for (frames, failed, words) in [
+        ([&chile, &hawaii], &hawaii, apart("9433")),
+        ([&hawaii, &chile], &chile, apart("9433")),
+        ([&chile, &frame], &frame, none.clone()),
+        ([&frame, &chile], &frame, none),
+        ([&chile, &old], &old, years),
+    ] {
+        let (output, polygons) = (path(&folder, "out.json"), path(&folder, "polygons.json"));
+        let flags = ["--seeing", "90arcsec", "--format", "json", "-o", &output];
+        let (code, _, stderr) = run(&[&["measure", frames[0], frames[1]], &flags, satellites]);
+        let begin = format!("warning: {failed}{words}");
+        let line = stderr.lines().find(|line| line.starts_with(&begin) && line.ends_with("; the frame is left out"));
+        assert!(code == 0 && line.is_some(), "{begin}: {stderr}");
+        assert!(!fs::read_to_string(&output).unwrap().contains(&format!("\"image\":\"{failed}")), "{frames:?}");
+        let flags = ["--seeing", "90arcsec", "--polygons", &polygons];
+        let (code, _, stderr) = run(&[&["mask", frames[0], frames[1]], &flags, satellites]);
+        assert!(code == 2 && stderr.starts_with(&format!("error: {failed}{words}")), "{stderr}");
+    }
+    // 600 m are one site, and a given site is that of all frames.
+    for (frames, more) in [([&chile, &neighbour], &[][..]), ([&chile, &hawaii], &["--mpc", "X05"])] {
+        let arguments = ["measure", frames[0], frames[1], "--seeing", "90arcsec", "--quiet"];
+        let document = json(&[&arguments, satellites, more]);
+        let rows = document["measurements"].as_array().unwrap();
+        assert!(frames.iter().all(|frame| rows.iter().any(|row| row["image"] == frame.as_str())), "{rows:?}");
+    }
 }
 
 /// The stated error of a prediction is not limited by the range of delays that is searched. A time in an upload is

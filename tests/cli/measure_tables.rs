@@ -167,7 +167,7 @@ fn streaks_outside_of_the_frame_have_rows_with_flags() {
     assert_eq!((code, column(&records(&found), "streak")), (0, vec!["b".to_owned()]), "{error}");
     assert!(error.contains("edge.csv: line 2: ") && error.contains("broken.fits"), "{error}");
     let (code, _, error) = run(&[&["measure", &path(&folder, "broken.fits"), "--streaks", &table]]);
-    assert!(code == 2 && error.contains("broken.fits"), "{error}");
+    assert!(code == 0 && error.contains("broken.fits") && error.contains("; the frame is left out"), "{error}");
     let name = std::path::Path::new(&frame).file_name().unwrap().to_str().unwrap();
     let text = format!(
         "id,image,hdu,enter_s,x1_pix,y1_pix,x2_pix,y2_pix\na,none.fits,,,1,2,3,4\nb,,7,,1,2,90,99\nc,,,1,left,2,3,4\n\
@@ -490,4 +490,29 @@ fn several_tables_belong_to_the_frames_in_order_and_streaks_are_identified() {
     // Rows without a name of the file cannot be divided among more frames.
     let (code, _, error) = run(&[&["measure", &frames[0], "--streaks", &tables[0], &tables[1], "--quiet"]]);
     assert!(code == 2 && error.contains("image is missing, with 2 tables"), "{error}");
+}
+
+/// Only the rows that name a frame which cannot be read are left out, and an invalid option is not an error of a row.
+#[test]
+fn rows_of_unreadable_frames_and_invalid_options_are_told_apart() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder, "good.fits", "2026-08-14T23:29:05Z");
+    fs::write(path(&folder, "bad.fits"), "no frame").unwrap();
+    let table = path(&folder, "m.csv");
+    let rows = "a,good.fits,10,10,90,90\nb,bad.fits,10,10,90,90\nc,,20,10,90,90\nd,./bad.fits,30,10,90,90\n";
+    fs::write(&table, format!("id,image,x1_pix,y1_pix,x2_pix,y2_pix\n{rows}")).unwrap();
+    let flags = ["--seeing", "90arcsec", "--format", "csv"];
+    let (code, found, error) = run(&[&["measure", &frame, "--streaks", &table], &flags]);
+    assert_eq!((code, column(&records(&found), "streak")), (0, vec!["a".to_owned(), "c".to_owned()]), "{error}");
+    let left_out: Vec<&str> = error.lines().filter(|line| line.ends_with("; the streak is left out")).collect();
+    assert!(left_out.len() == 2 && left_out[0].contains("line 3: ") && left_out[1].contains("line 5: "), "{error}");
+    for (options, words) in [
+        (["--gain", "-1"], "error: gain is -1 e/count; allowed"),
+        (["--saturation", "0"], "error: saturation is 0; allowed"),
+        (["--start", "banana"], "error: invalid time 'banana'; allowed"),
+        (["--exposure", "-5s"], "error: exposure is -5 s; allowed"),
+    ] {
+        let (code, _, error) = run(&[&["measure", "--streaks", &table], &options]);
+        assert!(code == 2 && error.starts_with(words), "{options:?}: {error}");
+    }
 }

@@ -487,6 +487,27 @@ fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
         let error = thick.read_plane(0).expect_err("a cube").to_string();
         assert!(error.contains(words), "{error}");
     }
+    // Axes of length 1 are not planes. A cube of four axes is no colour image.
+    for (shape, words) in [
+        (
+            &[1, 6, 5][..],
+            "HDU 0 is an image of axes [1, 6, 5]; allowed: an image of two axes: remove the axes of length 1",
+        ),
+        (&[6, 1, 5], "HDU 0 is an image of axes [6, 1, 5]; allowed"),
+        (&[6, 5, 4, 3], "HDU 0 is a cube of axes [6, 5, 4, 3]; allowed: an image of two axes: extract the plane of"),
+        (&[6, 5, 1, 3], "HDU 0 is a colour image of 3 planes (NAXIS4 = 3); allowed"),
+        (&[1, 6, 5, 9], "HDU 0 is a cube of 9 planes (NAXIS4 = 9); allowed"),
+        (&[3, 6, 5], "HDU 0 is a colour image of 3 planes (NAXIS1 = 3); allowed"),
+    ] {
+        let lengths = shape.iter().enumerate().map(|(axis, length)| format!("NAXIS{}  = {length:>20}", axis + 1));
+        let cards = ["SIMPLE  = T".to_owned(), "BITPIX  = 16".to_owned(), format!("NAXIS   = {}", shape.len())];
+        let header: String = cards.into_iter().chain(lengths).map(|text| card(&text)).collect();
+        let header = format!("{:<2880}", header + "END");
+        let bytes = shape.iter().product::<i64>() as usize * 2;
+        let file = with("shape.fits", &header, &vec![0; bytes.next_multiple_of(2880)]);
+        let error = file.read_plane(0).expect_err("no frame").to_string();
+        assert!(error.contains(words), "{error}");
+    }
     let none =
         with("none.fits", &text.replace("NAXIS2  =                   20", "NAXIS2  =                    0"), b"");
     assert!(none.read_plane(0).is_err());

@@ -155,9 +155,9 @@ pub fn identify<'py>(
     Ok(result)
 }
 
-/// Returns the candidates for the streaks of tables: `candidates` and `streak` as columns, `unknown_probability` and
-/// `n_candidates` of each streak, `warnings` about the satellites, `row_warnings`, and `remarks`. Names of frames in
-/// the tables are relative to `folder`, or to the folder of each table.
+/// Returns the candidates for the streaks of tables: `candidates` and `streak` as columns, `warnings` about the
+/// satellites, `row_warnings`, and `remarks`. Names of frames in the tables are relative to `folder`, or to the folder
+/// of each table.
 #[cfg(unix)]
 #[pyfunction]
 #[pyo3(signature = (request, tables, folder, engine, include_dark, top))]
@@ -179,11 +179,8 @@ pub fn identify_streaks<'py>(
         identify_tables(tables, &identify, &engine.setup, &settings, Some(&sky), watch).map_err(exception)
     })?;
     let result = PyDict::new(py);
-    let (numbers, unknown): (Vec<usize>, Vec<f64>) = done.counts.iter().copied().unzip();
     result.set_item("candidates", columns(py, &done.candidates)?)?;
     result.set_item("streak", columns(py, &done.streaks)?)?;
-    result.set_item("unknown_probability", unknown)?;
-    result.set_item("n_candidates", numbers)?;
     let left_out = done.left_out.iter().filter_map(|(warning, _)| warning.as_ref());
     result.set_item("warnings", failure::all_as_arguments(left_out))?;
     result.set_item("row_warnings", failure::all_as_arguments(&done.warnings))?;

@@ -55,19 +55,27 @@ pub struct HduInfo {
     pub(super) data_length: u64,
 }
 
-/// Returns what an image of more than two axes is, and how to get a frame from it; `None` for one of fewer axes, without
-/// those of length 1.
+/// Returns a description of an image that is not of two axes, and how to get a frame from it; `None` for a frame, which
+/// may have further axes of length 1.
 pub(super) fn cube_words(shape: &[usize]) -> Option<(String, &'static str)> {
-    let further = (2..shape.len()).find(|axis| shape[*axis] != 1)?;
-    // The colours of some programs are the first axis.
-    let axis = if shape[0] < 5 { 0 } else { further };
-    let count = shape[axis];
-    let (what, remedy) = if count == 3 || count == 4 {
-        ("a colour image", "extract one channel, for example the green one, as an image of two axes")
-    } else {
-        ("a cube", "extract the plane of one exposure as an image of two axes")
-    };
-    Some((format!("{what} of {count} planes (NAXIS{} = {count})", axis + 1), remedy))
+    shape.get(2..)?.iter().find(|length| **length != 1)?;
+    let axes: Vec<usize> = (0..shape.len()).filter(|axis| shape[*axis] != 1).collect();
+    let plane = "extract the plane of one exposure as an image of two axes";
+    Some(match axes[..] {
+        [first, _, third] => {
+            // The colours of some programs are the first axis.
+            let axis = if shape[first] < 5 { first } else { third };
+            let count = shape[axis];
+            let (what, remedy) = if count == 3 || count == 4 {
+                ("a colour image", "extract one channel, for example the green one, as an image of two axes")
+            } else {
+                ("a cube", plane)
+            };
+            (format!("{what} of {count} planes (NAXIS{} = {count})", axis + 1), remedy)
+        }
+        [_, _, _, ..] => (format!("a cube of axes {shape:?}"), plane),
+        _ => (format!("an image of axes {shape:?}"), "remove the axes of length 1"),
+    })
 }
 
 impl HduInfo {

@@ -88,7 +88,8 @@ impl<'a> Injection<'a> {
     /// Checks the outputs and opens the frames. There is one output for each existing or synthetic frame.
     ///
     /// # Errors
-    /// - An output cannot be written completely: its folder cannot be created, or it is a pipe, a device or a compressed file.
+    /// - An output cannot be written completely: its folder cannot be created, or it is a pipe, a device or a
+    ///   compressed file.
     ///   No frame is read in this case.
     /// - A file of labels cannot be written, or is also an input.
     /// - A frame cannot be opened or created.

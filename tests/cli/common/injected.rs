@@ -47,3 +47,13 @@ pub fn with_card(file: &[u8], keyword: &str, value: &str) -> Vec<u8> {
     card[10..30].copy_from_slice(format!("{value:>20}").as_bytes());
     bytes
 }
+
+/// Replaces the first cards of HISTORY of the primary header by others.
+pub fn with_new_cards(file: &[u8], cards: &[(&str, &str)]) -> Vec<u8> {
+    let mut bytes = file.to_vec();
+    let history = bytes.chunks_exact_mut(80).filter(|card| card.starts_with(b"HISTORY "));
+    for (card, (keyword, value)) in history.zip(cards) {
+        card.copy_from_slice(format!("{:<80}", format!("{keyword:<8}= {value:>20}")).as_bytes());
+    }
+    bytes
+}

@@ -92,8 +92,6 @@ class Identified(TypedDict):
 class IdentifiedStreaks(TypedDict):
     candidates: list[Column]
     streak: list[Column]
-    n_candidates: list[int]
-    unknown_probability: list[float]
     warnings: list[str]
     row_warnings: list[str]
     remarks: list[str]

@@ -149,8 +149,8 @@ class Identification(NamedTuple):
     #: angle, length, chi square, probability, position, magnitude, age of the element set. A streak that no candidate
     #: fits has no row. Those of a table begin with ``streak``, the name of the streak, and ``image``.
     candidates: Table
-    #: One row per measured streak. Those of a table have ``streak``, ``image``, ``candidates`` and ``unknown_probability``,
-    #: too; rows of the table that cannot be used are left out.
+    #: One row per measured streak. Those of a table have ``streak``, ``image``, ``candidates`` and
+    #: ``unknown_probability``, too; rows of the table that cannot be used are left out.
     streak: Table
     #: Number of candidates, including those that are not listed.
     n_candidates: WholeOrArray

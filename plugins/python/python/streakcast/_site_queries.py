@@ -330,9 +330,10 @@ class SiteQueries(ModelState):
         pixels : two pairs
             Both ends in the frame, ``((x, y), (x, y))``.
         origin : {0, 1}
-            Index of the first pixel in ``pixels``: 1 as in FITS and DS9, 0 as in arrays.
+            Index of the first pixel in ``pixels``: 1 as in FITS and DS9, 0 as in arrays. Not used for ``streaks``, whose
+            pixels are counted from 1, or from 0 in tables of ASTRiDE and findsat_mrt.
         hdu : int, optional
-            HDU of the frame, from 0; default: the only image.
+            HDU of the frame, or of the frames of ``streaks``, from 0; default: the only image.
         region : path
             File of DS9 regions drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs.
         streaks : path or list of paths, `~astropy.table.Table`, dict of columns, or list of dicts
@@ -414,11 +415,12 @@ class SiteQueries(ModelState):
         """Returns the candidates of the streaks of tables, and issues the warnings."""
         warn_of_frames(shown(message) for message in found["row_warnings"])
         self._warn_once([shown(message) for message in found["warnings"]])
+        values = {column["name"]: column["values"] for column in found["streak"] if column["kind"] in ("integer", "real")}
         return Identification(
             table_of(files.named(found["candidates"]), output, main=CANDIDATES_OF_TABLE),
             table_of(files.named(found["streak"]), output, main=STREAKS_OF_TABLE),
-            np.array(found["n_candidates"], dtype=np.int64),
-            np.array(found["unknown_probability"], dtype=np.float64),
+            np.array(values["candidates"], dtype=np.int64),
+            np.array(values["unknown_probability"], dtype=np.float64),
             tuple(shown(remark) for remark in found["remarks"]),
         )
 

@@ -49,6 +49,8 @@ def streak_request(
     ):  # fmt: skip
         if value is not None and named != [needed]:
             raise ValueError(f"{name} is accepted with {needed} only, not with {named[0]}")
+    if streaks is not None and origin != 1:
+        raise ValueError(f"origin is {origin!r}; allowed with streaks: omitted; the kind of a table determines its origin")
     request: dict[str, Json] = {"whole_streak": bool(whole_streak)}
     if ends is not None:
         request["end"] = [",".join(one) for one in zip(*_end_coordinates(ends))]
@@ -75,8 +77,9 @@ def streak_request(
     if frame is not None:
         request["image"] = frame
     if hdu is not None:
-        if frame is None:
-            raise ValueError("hdu is given without frame; allowed: with frame")
+        # Tables may name their frames.
+        if frame is None and streaks is None:
+            raise ValueError("hdu is given without frame; allowed: with frame or streaks")
         request["hdu"] = int(hdu)
     if times is not None:
         if start is not None or exposure is not None or whole_streak:

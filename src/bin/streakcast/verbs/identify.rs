@@ -110,6 +110,9 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     if !typed.streaks.is_empty() {
         return run_tables(&typed, &config);
     }
+    if typed.streak.hdu.is_some() && typed.streak.image.is_none() {
+        return Err(anyhow!("missing frame of --hdu; specify --image FILE, or --streaks TABLE that names its frames"));
+    }
     check_required(&config, &typed.streak)?;
     let (at_site, remark) = typed.streak.with_site_of_frame(config)?;
     let plan = typed.streak.resolve(&at_site)?;
@@ -177,7 +180,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
             .with("left_out", &left_out_table(&left_out)),
         &notices,
     )?;
-    let (count, without) = (done.counts.len(), &done.without_candidate);
+    let (count, without) = (done.streaks.rows.len(), &done.without_candidate);
     notices.info(&format!("{}: {} with candidates", counted(count, "streak", "streaks"), count - without.len()));
     if !without.is_empty() {
         let names = listed(without.iter().map(String::as_str));

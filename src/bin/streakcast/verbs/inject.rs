@@ -137,8 +137,8 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
     frame_outputs(&output, &typed.injection.image, count)
 }
 
-/// Returns the output of each frame: the file of a single frame, or files in an existing folder (a new one may be meant as
-/// a file) with the names of the input `images`, or with numbers if there are none.
+/// Returns the output of each frame: the file of a single frame, or files in an existing folder (a new one may be meant
+/// as a file) with the names of the input `images`, or with numbers if there are none.
 pub fn frame_outputs(output: &Path, images: &[PathBuf], count: usize) -> anyhow::Result<Vec<PathBuf>> {
     if count == 1 && !output.is_dir() {
         return Ok(vec![output.to_owned()]);
