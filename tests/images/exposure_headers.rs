@@ -318,6 +318,15 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ),
         ("DATE-OBS= '2020-03-06T06:00:00' / System Clock:Est. Frame Start", "2020-03-06T06:00:00", "DATE-OBS"),
         ("DATE-OBS= '2020-03-06T06:00:37' / TAI at start", "2020-03-06T06:00:00", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06T06:00:00' / UTC (not the exposure end)", "2020-03-06T06:00:00", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06T06:00:00'\nTIMESCAL= 'linear'", "2020-03-06T06:00:00", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06T06:00:37'\nTIMESYS = 'TAI'\nTIMESCAL= 'log'", "2020-03-06T06:00:00", "DATE-OBS"),
+        // "unknown" beside a complete keyword.
+        ("DATE-OBS= '2020-03-06T06:00:00'\nDATE_OBS= 'unknown'", "2020-03-06T06:00:00", "DATE-OBS"),
+        ("DATE-BEG= 'n/a'\nDATE-OBS= '2020-03-06T06:00:00'", "2020-03-06T06:00:00", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06T06:00:00'\nUTCTIME = '06:00:04'", "2020-03-06T06:00:00", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06T06:00:00'\nUT-TIME = '06:00:04'", "2020-03-06T06:00:00", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06'\nUT-TIME = '06:00:00'", "2020-03-06T06:00:00", "DATE-OBS + UT-TIME"),
     ] {
         begins(&format!("{cards}\n{LENGTH}"), utc, from);
     }
@@ -340,6 +349,14 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ("DATE-OBS= '2020-03-05T23:00:00' / MST (UTC = MST + 7 h)", "a local time by its comment"),
         ("DATE-OBS= '2020-03-06T06:00:30' / start + 30 s", "perhaps of another part"),
         ("DATE-OBS= '06/03/20'\nTIME-OBS= '06:00:00'", "dd/mm/yy until 1999"),
+        (
+            "DATE-OBS= '2020-03-06T06:00:30'\nTIME-SYS= 'TAI'\nTIMESYS = 'UTC'",
+            "TIME-SYS is \"TAI\", and TIMESYS is \"UTC\"",
+        ),
+        (
+            "DATE-OBS= '2020-03-06T06:00:30'\nTIMESYS = 'UTC'\nTIMESCAL= 'TAI'",
+            "TIMESYS is \"UTC\", and TIMESCAL is \"TAI\"",
+        ),
     ] {
         let error = time(&format!("{cards}\n{LENGTH}")).expect_err(words);
         assert!(error.contains(words) && error.contains("--start"), "{error}");
@@ -364,6 +381,8 @@ fn verif_lengths_of_several_exposures_and_units() {
         ("EXPTIME = 600.0 / total\nNCOMBINE= 5", "NCOMBINE is 5"),
         ("ITIME   = 2.0 / integration time per coadd\nCOADDS  = 30", "2 s of each of 30 exposures (COADDS)"),
         ("EXPTIME = 2.0 / Integration time\nHIERARCH ESO DET NDIT = 10", "ESO DET NDIT is 10"),
+        ("EXPTIME = '00:01:00 PM'", "EXPTIME is \"00:01:00 PM\""),
+        ("EXPTIME = '01:01:00 am'", "EXPTIME is \"01:01:00 am\""),
         ("EXPTIME = 20 / [fortnight]", "20 in the unit [fortnight]"),
         ("EXPTIME = 20 / in seconds or ms", "20 in several units"),
         ("EXPTIME = 2 / weeks", "2 in the unit weeks"),
@@ -392,6 +411,9 @@ fn verif_lengths_of_several_exposures_and_units() {
         ("ITIME   = 2.0 / integration time per coadd\nCOADDS  = 1", 2.0),
         ("EXPTIME = 600.0\nNCOMBINE= 5\nDATE-END= '2020-03-06T06:10:20'", 600.0),
         ("EXPTIME = 40.0\nDATE-END= '2020-03-06T06:00:42'", 40.0),
+        ("XPOSURE = 107.368\nEXPOSURE= '1' / Exposure request number", 107.368),
+        ("EXPTIME = 60.0\nIMGWIDTH= 4656 / width of input images", 60.0),
+        ("EXPTIME = 60.0\nIMGHIGHT= 3520 / height of stacked frames", 60.0),
         ("EXPTIME = 60.0 / [s] (not ms)", 60.0),
         ("EXPTIME = 60.0 / [s] not including overheads", 60.0),
         ("EXPTIME = '60 s' / [s] exposure", 60.0),
@@ -442,8 +464,11 @@ fn verif_settings_of_cameras_are_no_gains() {
     let other = of("EGAIN   = 0.1226 / Electrons per ADU at true ADC bit depth");
     assert_eq!(other.gain_e_adu, None);
     assert!(other.doubtful_gain.unwrap().contains("not of the pixels of this file"));
-    let two = of("GAIN    = 1.0 / [e-/ADU]\nEGAIN   = 2.5");
-    assert_eq!((two.gain_e_adu, two.doubtful_gain.unwrap().contains("GAIN is 1 ([e-/ADU])")), (None, true));
+    for unit in ["[e-/ADU]", "[electrons/count]", "[e/DN]"] {
+        let two = of(&format!("GAIN    = 1.0 / {unit}\nEGAIN   = 2.5"));
+        let words = format!("GAIN is 1 ({unit})");
+        assert_eq!((two.gain_e_adu, two.doubtful_gain.unwrap().contains(&words)), (None, true), "{unit}");
+    }
     for (cards, gain) in [
         ("GAIN    = 360 / Sensor gain\nEGAIN   = 0.25 / [e-/ADU] Electrons per A/D unit", 0.25),
         (
@@ -794,6 +819,9 @@ fn verif_other_readings_of_a_header_are_stated() {
         "STEND   = '05:55:07' / ST end",
         "LASTCAL = '2026-08-25T03:15:00'",
         "LASTEXP = 12",
+        "GUIDEUT = '03:05:00' / UTC of the last frame of the guider",
+        "PREVOBS = '2026-08-22T03:05:00' / UTC of the last exposure",
+        "DATE-CAL= '2026-08-22T03:05:00' / UTC of the last image",
         "INSTRUME= 'Canon EOS 6D'\nTIMESYS = 'UTC'",
         "WALLTEMP= 285.0",
     ] {
@@ -810,6 +838,13 @@ fn verif_other_readings_of_a_header_are_stated() {
     ] {
         let found = time(&format!("DATE-OBS= '2026-08-22T03:15:00'\n{cards}")).expect(cards);
         assert!(found.remarks.len() == 1 && found.remarks[0].contains(words), "{cards}: {:?}", found.remarks);
+    }
+    for (stated, remarks) in [("", 1), (" / UT date", 0)] {
+        let found = time(&format!("OBS-DATE= '2026-08-22T03:15:00'{stated}\nEXPTIME = 60.0")).unwrap();
+        assert_eq!(found.remarks.len(), remarks, "{stated}: {:?}", found.remarks);
+    }
+    for card in ["DATETIME= '2026:08:21 20:15:00'", "DATE-TIM= '2026-08-21 20:15:00'"] {
+        assert!(time(&format!("{card}\nEXPTIME = 60.0")).is_err(), "{card}");
     }
     let error = time("DATE-OBS= '2026-08-22T03:15:00' / start (+/- 30 s)\nEXPTIME = 60.0").unwrap_err();
     assert!(error.contains("uncertain by 30 s") && error.contains("--start"), "{error}");
@@ -892,6 +927,15 @@ fn verif_coarse_times_are_no_starts() {
         assert!(seconds_between(expected, found.start).abs() < 1e-3, "{} is not {utc}", found.start);
         assert_eq!((found.start_from.as_str(), found.remarks.len()), (from, remarks), "{:?}", found.remarks);
     }
+    // Ten times 1 s do not fit into 1.9 s.
+    for (cards, is_read) in [
+        ("EXPTIME = 1.0\nCOADDS  = 10\nDATE-END= '2026-08-22T03:15:01.9'", true),
+        ("EXPTIME = 2.0\nNDIT    = 5\nDATE-END= '2026-08-22T03:15:03.1'", true),
+        ("EXPTIME = 1.0\nNCOMBINE= 10\nDATE-END= '2026-08-22T03:15:01.9'", false),
+        ("EXPTIME = 1.0\nCOADDS  = 2\nDATE-END= '2026-08-22T03:15:01.9'", false),
+    ] {
+        assert_eq!(time(&format!("DATE-OBS= '2026-08-22T03:15:00.0'\n{cards}\n")).is_ok(), is_read, "{cards}");
+    }
     // The end of a stack must be precise to confirm its length.
     for end in ["EXPTIME = 600.0\nMJD-END = 61274", "EXPTIME = 1.0\nDATE-END= '2026-08-22T03:15:02.0'"] {
         assert!(time(&format!("DATE-OBS= '2026-08-22T03:15:00.0'\nNCOMBINE= 5\n{end}\n")).is_err(), "{end}");
@@ -944,6 +988,12 @@ fn verif_gaps_in_an_exposure_are_stated() {
         ("03:15:00.0", "DATE-END= '2026-08-22T03:15:03.0'\nEXPTIME = 2.0", "it is 3.0 s from DATE-OBS to DATE-END"),
         ("03:15:00.0", "TELAPSE = 3.0\nEXPTIME = 2.0", "TELAPSE is 3 s (from start to end)"),
         ("03:15:00.0", "LIVETIME= 2.9\nEXPTIME = 2.0", "LIVETIME is 2.9 s (in all parts)"),
+        (
+            "03:15:00.0+00:00",
+            "DATE-BEG= '2026-08-22T03:15:00.8+00:00'\nEXPTIME = 2.0",
+            "DATE-OBS gives one 0.8 s earlier",
+        ),
+        ("03:15:00.0 UTC", "DATE-BEG= '2026-08-22T031500.4'\nEXPTIME = 2.0", "DATE-OBS gives one 0.4 s earlier"),
         ("03:15:00.0", "TIMEOFFS= 0.8\nEXPTIME = 2.0", "the header has the card \"TIMEOFFS= 0.8"),
         ("03:15:00.0", "DATE-AVG= '2026-08-22T03:15:00.3'\nEXPTIME = 2.0", "gives one 0.7 s earlier"),
         ("03:15:00.0", "EXPTIME = 2.0 / +/- 0.8 s", "approximately"),
@@ -959,6 +1009,8 @@ fn verif_gaps_in_an_exposure_are_stated() {
         ("03:15:00", "DATE-END= '2026-08-22T03:15:00'\nEXPTIME = 0.8"),
         ("03:15:00.50", "DATE-END= '2026-08-22T03:15:00.55'\nEXPTIME = 0.05"),
         ("03:15:00", "MJD-OBS = 61274.13542130\nEXPTIME = 2.0"),
+        ("031500", "MJD-OBS = 61274.13542130\nEXPTIME = 2.0"),
+        ("03h15m00s", "MJD-OBS = 61274.13542130\nEXPTIME = 2.0"),
     ] {
         let found = time(&format!("DATE-OBS= '2026-08-22T{start}'\n{cards}")).expect(cards);
         assert_eq!(found.remarks, [""; 0], "{cards}");

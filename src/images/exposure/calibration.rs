@@ -62,7 +62,8 @@ pub enum PixelUnit {
     Magnitudes,
 }
 
-/// Parts of units of flux, flux density and surface brightness, in lower case and without spaces, brackets, `*` and `^`.
+/// Parts of units of flux, flux density and surface brightness, in lower case and without spaces, brackets, `*` and
+/// `^`.
 const FLUXES: [&str; 12] =
     ["nanomagg", "nmgy", "jy", "jansky", "erg", "watt", "w/m2", "wm-2", "w.m-2", "/sr", "sr-1", "/arcsec2"];
 
@@ -252,7 +253,7 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         };
     };
     let words = Comment::new(&comment);
-    let joined = comment.to_ascii_lowercase().replace([' ', '(', ')', '[', ']'], "");
+    let joined = joined(&comment);
     let is_inverse = [
         "adu/e",
         "dn/e",
@@ -268,10 +269,7 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     ]
     .iter()
     .any(|words| joined.contains(words));
-    let has_unit = is_inverse
-        || ["e-/", "e/adu", "e/dn", "e-adu", "e-per", "eperadu", "toe-", "electron", "photon"]
-            .iter()
-            .any(|words| joined.contains(words));
+    let has_unit = is_inverse || has_electron_unit(&comment);
     // "0.1dB", "%", "[uV/e-]"
     let in_brackets = comment.trim_start().strip_prefix('[').is_some_and(|unit| !unit.starts_with('e'));
     let has_other_unit = in_brackets || comment.contains('%') || comment.contains("dB");
@@ -306,12 +304,24 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     }
     // "GAIN = 1.0 / e-/ADU" beside EGAIN; a GAIN without a unit is that of the camera.
     let other = keywords.number(&names[2..], |other| positive(other) && (other / value - 1.0).abs() > GAIN_SLACK);
-    if let Some((other, other_value, comment)) = other.filter(|(other, _, comment)| {
-        *other != keyword && !is_inverse && comment.to_ascii_lowercase().replace(' ', "").contains("e-/adu")
-    }) {
+    if let Some((other, other_value, comment)) =
+        other.filter(|(other, _, comment)| *other != keyword && !is_inverse && has_electron_unit(comment))
+    {
         return Err(format!("{keyword} is {value}, and {other} is {other_value} ({comment})"));
     }
     Ok(Some(HeaderValue { value: if is_inverse { value.recip() } else { value }, keyword }))
+}
+
+/// Returns a comment in lower case, without blanks and brackets.
+fn joined(comment: &str) -> String {
+    comment.to_ascii_lowercase().replace([' ', '(', ')', '[', ']'], "")
+}
+
+/// Returns true if the comment of a gain states electrons, as in "[electrons/count]".
+fn has_electron_unit(comment: &str) -> bool {
+    let joined = joined(comment);
+    let units = ["e-/", "e/adu", "e/dn", "e-adu", "e-per", "eperadu", "toe-", "electron", "photon"];
+    units.iter().any(|unit| joined.contains(unit))
 }
 
 /// Returns the reason why a gain is not used.

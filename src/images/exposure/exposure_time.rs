@@ -8,10 +8,10 @@ use crate::frames::{seconds_after, seconds_between};
 
 use super::super::card::CardValue;
 use super::super::header::Header;
-use super::comment::{Comment, Role};
-use super::instant_keywords::{DATES, MODIFIED_DATES, NAMED_STARTS};
+use super::comment::{AGREED_S, Comment, Role};
+use super::instant_keywords::{DATES, MODIFIED_DATES, NAMED_STARTS, OTHER_DATES};
 use super::instants::{Instant, Instants, unreadable};
-use super::length::{AGREED_S, Length, STATED_S, length, stated_s};
+use super::length::{Length, STATED_S, length, stated_s};
 use super::moment::{DateText, Keywords, is_spelling, parse_date};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 use super::stacks::REMARKS;
@@ -28,10 +28,11 @@ const SHIFT_SLACK: f64 = 0.1;
 
 /// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
 const LOOSE_END_S: f64 = 60.0;
-/// Part of the exposure time up to which a readout may be included in the end (48 s after 300 s at MegaCam of the CFHT).
+/// Part of the exposure time up to which a readout may be included in the end (48 s after 300 s at MegaCam of the
+/// CFHT).
 const READOUT_SHARE: f64 = 0.25;
-/// Time by which a clock of the telescope may be before the start, and by which times may differ where TIMESYS calls them
-/// approximate, seconds.
+/// Time by which a clock of the telescope may be before the start, and by which times may differ where TIMESYS calls
+/// them approximate, seconds.
 const LOOSE_START_S: f64 = 10.0;
 
 /// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
@@ -65,7 +66,8 @@ const GIVEN: &str = "given";
 /// Beginnings of names of cameras whose clock is set by hand, often to local time.
 const HAND_SET_CAMERAS: &[&str] = &["canon", "nikon", "pentax", "fujifilm", "olympus", "dslr"];
 
-/// Time within which the first and the last exposure of a stack are expected. Dates farther away concern something else.
+/// Time within which the first and the last exposure of a stack are expected. Dates farther away concern something
+/// else.
 const LONGEST_STACK_S: f64 = 30.0 * DAY_S;
 
 /// Longitude within which the zone of a site may be that of universal time, degrees.
@@ -166,7 +168,9 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         let slack_s = START_SLACK_S + digits_s + SHIFT_SLACK * length.seconds;
         let readout_s = digits_s + LOOSE_END_S.min(READOUT_SHARE * length.seconds);
         let late_s = span_s - length.seconds;
-        let given = format!("{} s, but it is {span_s:.1} s from {} to {}", length.seconds, start.from, end.from);
+        // Not "-0.0".
+        let shown_s = (10.0 * span_s).round() / 10.0 + 0.0;
+        let given = format!("{} s, but it is {shown_s:.1} s from {} to {}", length.seconds, start.from, end.from);
         if !(-slack_s..=readout_s.max(slack_s + loose_s)).contains(&late_s) {
             let allowed = if span_s > 0.0 {
                 format!(
@@ -184,7 +188,9 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
             remarks.push(format!("{use_of} is {given}: {use_of} is used; for another span specify --exposure"));
         }
         let is_equal = late_s <= slack_s.min(stated_s + digits_s + SHIFT_SLACK * length.seconds);
-        is_confirmed |= !end.is_loose && is_equal && end.slack_s <= COARSE_S;
+        // Ten times 1 s do not fit into 1.9 s.
+        let is_of_all = length.coadds.is_some_and(|count| span_s + slack_s < count * length.seconds);
+        is_confirmed |= !end.is_loose && (is_equal || is_of_all) && end.slack_s <= COARSE_S;
     }
     Ok(is_confirmed)
 }
@@ -210,25 +216,44 @@ fn instants(keywords: Keywords<'_>) -> Result<Instants, Error> {
 
 /// Returns the time scale of dates, which is given by TIMESYS, and whether it is given.
 fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
-    let Some((keyword, value)) = timesys(keywords) else { return Ok((TimeScale::UTC, false)) };
-    let scale = match scale_name(&value).as_str() {
-        "UTC" | "UT" | "UT1" | "GMT" => TimeScale::UTC,
-        "TAI" | "IAT" => TimeScale::TAI,
-        "TT" | "TDT" | "ET" => TimeScale::TT,
-        "TDB" => TimeScale::TDB,
-        "GPS" => TimeScale::GPST,
-        // "Coordinated Universal Time"
-        _ if Comment::new(&value).is_universal() && !Comment::new(&value).is_local() => TimeScale::UTC,
-        _ => return Err(unreadable(keyword, &value, "UTC, TAI, TT, TDB or GPS")),
-    };
+    let stated = scales(keywords);
+    let Some((keyword, value)) = stated.first() else { return Ok((TimeScale::UTC, false)) };
+    let scale = known_scale(value).ok_or_else(|| unreadable(keyword.clone(), value, "UTC, TAI, TT, TDB or GPS"))?;
+    if let Some((other, name)) = stated.iter().find(|(_, name)| known_scale(name).is_some_and(|other| other != scale)) {
+        let given = format!("{value:?}, and {other} is {name:?}");
+        return Err(Error::invalid(keyword.clone(), given, "one time scale, or --start"));
+    }
     Ok((scale, true))
 }
 
-/// Returns TIMESYS and its value, from the header with the dates if it has one there.
-fn timesys(keywords: Keywords<'_>) -> Option<(String, String)> {
+fn known_scale(value: &str) -> Option<TimeScale> {
+    match scale_name(value).as_str() {
+        "UTC" | "UT" | "UT1" | "GMT" => Some(TimeScale::UTC),
+        "TAI" | "IAT" => Some(TimeScale::TAI),
+        "TT" | "TDT" | "ET" => Some(TimeScale::TT),
+        "TDB" => Some(TimeScale::TDB),
+        "GPS" => Some(TimeScale::GPST),
+        // "Coordinated Universal Time"
+        _ => (Comment::new(value).is_universal() && !Comment::new(value).is_local()).then_some(TimeScale::UTC),
+    }
+}
+
+/// Returns the keywords of the scale with their values, from the header with the dates if it has some there. TIMESCAL
+/// may have another meaning ("linear").
+fn scales(keywords: Keywords<'_>) -> Vec<(String, String)> {
+    let of = |keywords: Keywords<'_>| -> Vec<(String, String)> {
+        let names = SCALES.iter().flat_map(|name| keywords.spellings(name));
+        let texts = names.filter_map(|name| keywords.text(&[&name]));
+        texts.filter(|(name, text)| name != SCALES[1] || known_scale(text).is_some()).collect()
+    };
     let mut headers = keywords.0.iter().map(|header| Keywords(std::slice::from_ref(header)));
     let of_dates = headers.find(|header| DATES.iter().chain(MODIFIED_DATES).any(|name| header.find(name).is_some()));
-    of_dates.and_then(|header| header.text(SCALES)).or_else(|| keywords.text(SCALES))
+    of_dates.map(of).filter(|scales| !scales.is_empty()).unwrap_or_else(|| of(keywords))
+}
+
+/// Returns TIMESYS and its value.
+fn timesys(keywords: Keywords<'_>) -> Option<(String, String)> {
+    scales(keywords).into_iter().next()
 }
 
 /// Returns the name of a time scale without its realisation, as in `TT(TAI)`, and without `approximate` (NOAO).
@@ -246,8 +271,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     }
     let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
     for other in instants.found.iter().filter(|other| other.role != Role::End) {
-        // A clock of the telescope is read some seconds before the shutter opens (ESO), that of the camera perhaps after
-        // the exposure. Days may be cut off to the digit before.
+        // A clock of the telescope is read some seconds before the shutter opens (ESO), that of the camera perhaps
+        // after the exposure. Days may be cut off to the digit before.
         let is_clock = other.from.starts_with("UT");
         let early_s = if is_clock { LOOSE_START_S } else { 0.0 } + if other.is_loose { other.slack_s } else { 0.0 };
         // UT of Subaru is that of the start, with the comment "typical UTC at the exposure (middle".
@@ -317,6 +342,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         ));
     }
     remarks.extend(created);
+    remarks.extend(of_other_date(keywords, &first));
     remarks.extend(written_early(keywords, &first, duration_s));
     remarks.extend(about_times(keywords, &first));
     remarks.extend(other_parts(&instants, &first, duration_s));
@@ -410,8 +436,21 @@ fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
     start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
 }
 
-/// Returns a sentence about a file that was written before the end of the exposure, if nothing states that the start is the
-/// start: its time may be that of the end, or of the writing.
+/// Returns a sentence about a start in OBS-DATE if nothing states that it is in universal time.
+fn of_other_date(keywords: Keywords<'_>, start: &Start) -> Option<String> {
+    let name = start.from.split(" + ").next()?;
+    let (header, _) = keywords.find(name).filter(|_| OTHER_DATES.iter().any(|other| is_spelling(other, name)))?;
+    let is_stated = timesys(keywords).is_some() || keywords.comment(header, name).is_universal();
+    (!is_stated).then(|| {
+        format!(
+            "the start is that of {}, which is read as the date in UTC: if it is local or that of the evening, specify --start",
+            start.from
+        )
+    })
+}
+
+/// Returns a sentence about a file that was written before the end of the exposure, if nothing states that the start is
+/// the start: its time may be that of the end, or of the writing.
 fn written_early(keywords: Keywords<'_>, start: &Start, duration_s: f64) -> Option<String> {
     let (name, text, comment) = keywords.text_and_comment("DATE")?;
     if comment.is_local() || comment.role(None) == Ok(Some(Role::Start)) {
@@ -451,8 +490,8 @@ fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
     ))
 }
 
-/// Returns a sentence about the zone of a header, or the camera with a clock that is set by hand, if nothing states that
-/// the start is in universal time.
+/// Returns a sentence about the zone of a header, or the camera with a clock that is set by hand, if nothing states
+/// that the start is in universal time.
 fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<String> {
     // A scale, another clock of universal time, or a different local time show that the start is not local.
     if timesys(keywords).is_some()
@@ -536,8 +575,8 @@ fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<Strin
 }
 
 /// Returns the error of a date and a time of day of different parts of the exposure that are perhaps on different days:
-/// the start is on the day before, and nothing states that the date is that of the start; or the date is that of the middle
-/// or the end, which is on the day after.
+/// the start is on the day before, and nothing states that the date is that of the start; or the date is that of the
+/// middle or the end, which is on the day after.
 fn day_problem(instant: &Instant, duration_s: f64) -> Option<Error> {
     let (midnight, part) = instant.day?;
     let start = start_of(instant, duration_s);

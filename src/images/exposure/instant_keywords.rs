@@ -15,7 +15,6 @@ pub const TIMES: &[&str] = &[
     "UT-STR",
     "UTC-START",
     "UTC-STR",
-    "UTC-TIME",
     "UT-BEG",
     "UT-BEGIN",
     "START-UT",
@@ -27,7 +26,7 @@ pub const TIMES: &[&str] = &[
 
 /// Keywords with a time of day that is not the start at some observatories. They are used only if no keyword of
 /// [`TIMES`] exists.
-pub const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
+pub const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME", "UTC-TIME", "UT-TIME"];
 
 /// Keywords with the modified Julian date of the start.
 pub const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
@@ -88,8 +87,8 @@ pub const NAMED_STARTS: &[&str] = &[
     "TM-START",
 ];
 
-/// Words before or after those of [`CLOCKS`] in keywords of the first and the last of several exposures, as in UTC-LAST and
-/// MINJD.
+/// Words before or after those of [`CLOCKS`] in keywords of the first and the last of several exposures, as in UTC-LAST
+/// and MINJD.
 pub const OUTERMOST: &[(Role, &str)] =
     &[(Role::Start, "FIRST"), (Role::Start, "FRST"), (Role::Start, "MIN"), (Role::End, "LAST"), (Role::End, "MAX")];
 pub const CLOCKS: &[&str] = &["UT", "UTC", "TIME", "DATE", "JD", "MJD", "OBS", "EXP", "DATEOBS", "JDOBS", "MJDOBS"];
@@ -100,8 +99,9 @@ pub const SHUTTER: &str = "OPENSHUT";
 /// Keywords of the date in universal time, beside a date that may be that of the night.
 pub const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"];
 
-/// Other keywords of the date of the observation, which are used without those of [`DATES`].
-pub const OTHER_DATES: &[&str] = &["OBS-DATE", "DATE-TIME"];
+/// Other keywords of the date of the observation, which are used without those of [`DATES`]. The date may be that of
+/// the evening, or local.
+pub const OTHER_DATES: &[&str] = &["OBS-DATE"];
 
 /// Keywords of local times.
 pub const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "LT"];

@@ -17,10 +17,10 @@ use super::moment::{
     resolution, without_offset,
 };
 
-/// Keywords of devices, and a device whose DATE-OBS is the time at which its image was created, the end of the exposure (so
-/// read by the Seestar Photometry Stack for Siril, <https://gitlab.com/Aquarius58/siril-seestar-stack>; its maker documents
-/// nothing), in lower case. The ASIAIR has the same comment, but nothing is published about its time; its Autorun_Log has the
-/// times of captures (so read by <https://github.com/metalglove/astro-guiding-performance>).
+/// Keywords of devices, and a device whose DATE-OBS is the time at which its image was created, the end of the exposure
+/// (so read by the Seestar Photometry Stack for Siril, <https://gitlab.com/Aquarius58/siril-seestar-stack>; its maker
+/// documents nothing), in lower case. The ASIAIR has the same comment, but nothing is published about its time; its
+/// Autorun_Log has the times of captures (so read by <https://github.com/metalglove/astro-guiding-performance>).
 const DEVICES: &[&str] = &["CREATOR", "INSTRUME"];
 const CREATES_AT_END: &str = "seestar";
 const WITH_LOG: &str = "asiair";
@@ -47,8 +47,8 @@ pub struct Instant {
     pub role: Role,
     /// True for keywords that are used only if no other keyword gives the start.
     pub is_loose: bool,
-    /// True for a time in [`LOOSE_TIMES`] beside a date, whose comment does not state the start. It may be later than the
-    /// start in another keyword.
+    /// True for a time in [`LOOSE_TIMES`] beside a date, whose comment does not state the start. It may be later than
+    /// the start in another keyword.
     pub is_loose_clock: bool,
     /// Beginning of the day of a date in another keyword, and the part of the exposure to which the date belongs by its
     /// comment.
@@ -56,14 +56,20 @@ pub struct Instant {
 }
 
 impl Instant {
-    /// Returns the last digit of the seconds of a date and time, seconds; 0 for a number of days.
+    /// Returns the last digit of the seconds of a date and time or a time of day, seconds; 0 for a number of days.
     pub fn step_s(&self) -> f64 {
-        let seconds = self.value.contains(':').then(|| self.value.rsplit(':').next().unwrap_or_default());
-        let decimals = |seconds: &str| {
-            let digits = seconds.split(['.', ',']).nth(1).unwrap_or_default();
-            digits.bytes().take_while(u8::is_ascii_digit).count() as i32
-        };
-        seconds.map_or(0.0, |seconds| 10f64.powi(-decimals(seconds)))
+        // "031500" is a time.
+        let whole = self.value.split('.').next().unwrap_or_default();
+        if self.value.parse::<f64>().is_ok() && whole.len() != 6 {
+            return 0.0;
+        }
+        let (day, clock) = date_and_time(without_offset(&self.value).0);
+        let clock = clock.unwrap_or(day);
+        let clock = clock.trim_end_matches(|c: char| !c.is_ascii_digit());
+        let decimals = clock.rsplit_once(['.', ',']).map_or("", |(_, decimals)| decimals);
+        // "03.15.00"
+        let is_fraction = clock.matches(['.', ',']).count() == 1 && decimals.bytes().all(|byte| byte.is_ascii_digit());
+        if is_fraction { 10f64.powi(-(decimals.len() as i32)) } else { 1.0 }
     }
 }
 
@@ -71,12 +77,12 @@ impl Instant {
 #[derive(Default)]
 pub struct Instants {
     pub found: Vec<Instant>,
-    /// Middles, ends, and times of the first and last of several exposures, in keywords of other names, such as OBS-END and
-    /// UTC-LAST, which are only compared.
+    /// Middles, ends, and times of the first and last of several exposures, in keywords of other names, such as OBS-END
+    /// and UTC-LAST, which are only compared.
     pub others: Vec<Instant>,
     /// Error of an ambiguous date.
     pub unclear: Option<Error>,
-    /// Error of a date without a time.
+    /// Error of a date without a time, or of a text without digits, such as "unknown".
     pub day_alone: Option<Error>,
     /// Error of an instant that its comment or its zone makes unusable, such as a local time.
     unusable: Option<Error>,
@@ -194,7 +200,12 @@ impl Reader<'_> {
             DateText::Unclear => {}
             DateText::Unreadable => {
                 let allowed = "a date such as 2024-08-14T00:30:00.5, or 2024-08-14 with a time in another keyword";
-                return Err(unreadable(from, &value, allowed));
+                let error = unreadable(from, &value, allowed);
+                // "unknown" beside another start
+                if value.contains(|c: char| c.is_ascii_digit()) {
+                    return Err(error);
+                }
+                self.instants.day_alone.get_or_insert(error);
             }
         }
         Ok(())
@@ -207,8 +218,8 @@ impl Reader<'_> {
         Some((name, number.to_string(), Comment::new(&comment)))
     }
 
-    /// Reads dates, times and day numbers in other keywords whose name or comment states the middle, the end, or the first
-    /// or last of several exposures, such as OBS-END, MIDMJD and UTC-LAST.
+    /// Reads dates, times and day numbers in other keywords whose name or comment states the middle, the end, or the
+    /// first or last of several exposures, such as OBS-END, MIDMJD and UTC-LAST.
     fn other_parts(&mut self) {
         let known = [
             DATES,
@@ -244,7 +255,9 @@ impl Reader<'_> {
             });
             let comment = Comment::new(&card.comment());
             // "UTC of the last frame"
-            let is_last = comment.has_pair("last final", FRAMES);
+            let is_of_other = ["GUID", "PREV", "CAL"].iter().any(|word| bare.contains(word))
+                || comment.has("guide guider guiding previous calibration");
+            let is_last = comment.has_pair("last final", FRAMES) && !is_of_other;
             let outermost = outermost.map(|(role, _)| *role).or((bare == SHUTTER).then_some(Role::Start));
             let outermost = outermost.or(is_last.then_some(Role::End));
             let role = match (outermost, if is_last { Ok(None) } else { comment.role(named) }) {

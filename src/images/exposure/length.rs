@@ -4,7 +4,7 @@ use crate::constants::LONGEST_EXPOSURE_S;
 use crate::error::Error;
 
 use super::super::card::{Card, CardValue};
-use super::comment::{Comment, begins_with_exposure, seconds_in};
+use super::comment::{AGREED_S, Comment, begins_with_exposure, seconds_in};
 use super::instants::unreadable;
 use super::moment::{Keywords, bare, is_spelling, parse_time};
 use super::stacks::{
@@ -17,8 +17,8 @@ const LENGTHS: &[&str] =
     &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INT-TIME", "ELAPTIME", "SHUTTIME", EXPOINUS];
 /// Exposure time in microseconds (ZWO).
 const EXPOINUS: &str = "EXPOINUS";
-/// Keywords that are used only without the others: ITIME is the requested time, and TRUITIME the true one (IRTF); EXPOSED
-/// (AAT); and EXP if its comment states a unit, because it may also be a number.
+/// Keywords that are used only without the others: ITIME is the requested time, and TRUITIME the true one (IRTF);
+/// EXPOSED (AAT); and EXP if its comment states a unit, because it may also be a number.
 const LAST_LENGTHS: &[&str] = &["TRUITIME", "EXPOSED", "EXP"];
 /// Keywords of the time of one of several added exposures.
 const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
@@ -26,8 +26,8 @@ const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
 /// Keywords of the time from the start to the end of the exposure, and of the sum over several exposures.
 const SPANS: &[&str] = &["TELAPSE", "TELAPSED"];
 const SUMS: &[&str] = &["LIVETIME", "TOTALEXP", "TOTEXP", "TOTEXPT", "EXPTOT", "EXPTOTAL"];
-/// Keywords of times that may be those of the exposure with gaps, of all parts of a stack, or of a sequence, and parts of
-/// such keywords.
+/// Keywords of times that may be those of the exposure with gaps, of all parts of a stack, or of a sequence, and parts
+/// of such keywords.
 const DOUBTFUL_TIMES: &[&str] = &["TEXP", "EXP-SUM"];
 const ELAPSED: &[&str] = &[
     "ELAPS", "DURAT", "EXPDUR", "OBSDUR", "REALTIM", "WALLTIM", "WALLCL", "CLOCKTIM", "TIMESPAN", "EXPSPAN", "OBSSPAN",
@@ -58,13 +58,13 @@ const OF_TIMEUNIT: &[&str] = &["XPOSURE", "TELAPSE"];
 /// Largest accepted overhead within an exposure: a fraction of the exposure time, and seconds.
 const SPAN_SLACK: f64 = 0.1;
 const SPAN_SLACK_S: f64 = 1.0;
-/// Largest differences that are not stated, in addition to their rounding, seconds: those of starts, in which satellites of
-/// low orbits move by 0.1 deg, and those of middles, ends and lengths of long exposures.
-pub const AGREED_S: f64 = 0.1;
+/// Largest difference of middles, ends and lengths of long exposures that is not stated, in addition to their rounding,
+/// seconds.
 pub const STATED_S: f64 = 5.0;
 
 /// Words of times beside the exposure time.
 const OVERHEADS: &str = "overhead overheads readout reading dead deadtime download delay delays gaps dither dithers";
+/// Words of the time of one of several exposures, and of all of them.
 const PER_PART: &str = "per each single individual one";
 const OF_ALL: &str = "total sum summed all combined cumulative accumulated";
 
@@ -72,6 +72,8 @@ const OF_ALL: &str = "total sum summed all combined cumulative accumulated";
 pub struct Length {
     pub seconds: f64,
     pub keyword: String,
+    /// Number of exposures that the detector adds.
+    pub coadds: Option<f64>,
     /// Error of an exposure of several parts, unless another keyword confirms that the time is that of all parts.
     pub of_parts: Option<Error>,
     /// Sentences about other lengths, and about numbers of exposures that may be those of another file.
@@ -128,6 +130,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         return Err(Error::invalid(keyword, given, "one length; specify it, for example --exposure 30s"));
     }
     let mut remarks = Vec::new();
+    let is_of_coadds = |name: &str| COADDS.iter().any(|coadds| is_spelling(coadds, name));
     // EXPTIME of ESO is the time of one integration or of all, depending on the instrument.
     let of_eso = ESO_INTEGRATIONS.iter().find_map(|(number, times)| {
         let time = keywords.number(times, |time| time > 0.0)?;
@@ -221,9 +224,10 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         ));
     }
     let parts = parts.or_else(|| is_resampled.then(|| Parts::new(keyword.clone(), 1.0)));
+    let coadds = parts.as_ref().filter(|parts| is_of_coadds(&parts.keyword)).map(|parts| parts.count);
     let of_parts = parts.and_then(|Parts { keyword: name, shown, count }| {
         // The comment of Andor is "Total Exposure Time" also where EXPOSURE is the time of one accumulation.
-        let is_coadd = COADDS.iter().any(|coadds| is_spelling(coadds, &name)) && (is_whole || name != ACCUMULATIONS);
+        let is_coadd = is_of_coadds(&name) && (is_whole || name != ACCUMULATIONS);
         if is_of_all && is_coadd {
             return None;
         }
@@ -240,13 +244,17 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         );
         Some(Error::invalid(keyword.clone(), given, allowed))
     });
-    Ok(Length { seconds, keyword, of_parts: of_parts.or(of_sum), remarks })
+    Ok(Length { seconds, keyword, coadds, of_parts: of_parts.or(of_sum), remarks })
 }
 
 /// Returns the time of one keyword; `None` if the header does not have it.
 fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error> {
     let Some((header, keyword)) = keywords.find(keyword) else { return Ok(None) };
     let comment = Comment::new(&header.comment(&keyword));
+    // "Exposure request number" (JWST)
+    if comment.has_pair("exposure request", "number") {
+        return Ok(None);
+    }
     let Some(number) = header.number(&keyword) else {
         let value = header.text(&keyword).unwrap_or_default();
         let of_comment = comment.unit_s().ok().flatten();
@@ -288,7 +296,7 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error
 
 /// Returns the duration in a text such as `60 s`, `1 min` or `00:01:00`, seconds, and its unit if it has one.
 fn duration_s(text: &str) -> Option<(f64, Option<f64>)> {
-    if text.matches(':').count() == 2 {
+    if text.matches(':').count() == 2 && !text.contains(|c: char| c.is_ascii_alphabetic()) {
         let ([hours, minutes], seconds) = parse_time(text)?;
         return Some((f64::from(3600 * hours + 60 * minutes) + seconds, None));
     }
@@ -297,8 +305,8 @@ fn duration_s(text: &str) -> Option<(f64, Option<f64>)> {
     Some((number * unit_s, Some(unit_s)))
 }
 
-/// Returns the largest difference from the middle, the end or the length of an exposure that is not stated, seconds: a tenth
-/// of a short exposure.
+/// Returns the largest difference from the middle, the end or the length of an exposure that is not stated, seconds: a
+/// tenth of a short exposure.
 pub fn stated_s(duration_s: f64) -> f64 {
     (SPAN_SLACK * duration_s).clamp(AGREED_S, STATED_S)
 }

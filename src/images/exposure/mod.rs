@@ -1,8 +1,9 @@
 //! Exposure data in a header: start, duration, and photometric calibration.
 //!
 //! `moment` finds values by their many keywords and parses dates and times, and `comment` reads what the comments of
-//! cards state. `instants` reads starts, middles and ends by the lists in `instant_keywords`, `length` the exposure time,
-//! `stacks` numbers of added exposures, and `exposure_time` compares them. `calibration` reads zero point, gain, read noise and band, and `observatory` the site.
+//! cards state. `instants` reads starts, middles and ends by the lists in `instant_keywords`, `length` the exposure
+//! time, `stacks` numbers of added exposures, and `exposure_time` compares them. `calibration` reads zero point, gain,
+//! read noise and band, and `observatory` the site.
 
 mod calibration;
 mod comment;

@@ -37,6 +37,10 @@ pub(super) fn without_offset(text: &str) -> (&str, f64) {
     let split = || {
         let time = text.find(':')?;
         let at = time + text[time..].rfind(['+', '-'])?;
+        // "03:15:00 2026-08-22" has no offset.
+        if text[time..at].contains(['+', '-']) {
+            return None;
+        }
         let digits = &text[at + 1..];
         let (hours, minutes) = digits.split_once(':').or_else(|| digits.split_at_checked(2)).unwrap_or((digits, ""));
         let minutes = if minutes.is_empty() { 0 } else { minutes.parse::<u32>().ok()? };
@@ -54,12 +58,14 @@ pub(super) fn has_zone(text: &str) -> bool {
 
 /// First year with satellites, of years with two digits.
 const FIRST_YEAR: u32 = 1957;
+/// Beginnings of the names of months and weekdays.
 const MONTHS: &str = "jan feb mar apr may jun jul aug sep oct nov dec";
 const WEEKDAYS: &str = "mon tue wed thu fri sat sun";
 
-/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank or an underscore may replace the T, slashes, dots or nothing the
-/// hyphens, and an offset from universal time may follow. A year of two or three digits counts from 1900. Dates in another
-/// order are read if they exist in only one order, as `22.08.2026`, `Aug 22, 2026`, and `2026-234` with the day of the year.
+/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank or an underscore may replace the T, slashes, dots or
+/// nothing the hyphens, and an offset from universal time may follow. A year of two or three digits counts from 1900.
+/// Dates in another order are read if they exist in only one order, as `22.08.2026`, `Aug 22, 2026`, and `2026-234`
+/// with the day of the year.
 pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     parse_date_of("", text, scale)
 }
@@ -79,8 +85,8 @@ pub(super) fn parse_date_of(keyword: &str, text: &str, scale: TimeScale) -> Date
     }
 }
 
-/// Splits a text into its date and its time of day. The time follows a T or a numeric date, or is the word with a colon, as
-/// in `Sat Aug 22 03:15:00 2026`.
+/// Splits a text into its date and its time of day. The time follows a T or a numeric date, or is the word with a
+/// colon, as in `Sat Aug 22 03:15:00 2026`.
 pub(super) fn date_and_time(text: &str) -> (String, Option<String>) {
     let bytes = text.as_bytes();
     // Not the T in "Oct".
@@ -89,6 +95,13 @@ pub(super) fn date_and_time(text: &str) -> (String, Option<String>) {
     };
     if let Some(at) = (1..text.len().saturating_sub(1)).find(is_separator) {
         return (text[..at].to_owned(), Some(text[at + 1..].trim().to_owned()));
+    }
+    // "20260822-031500"
+    if let Some((day, time)) = text.split_once('-')
+        && [day.len(), time.find('.').unwrap_or(time.len())] == [8, 6]
+        && day.bytes().all(|byte| byte.is_ascii_digit())
+    {
+        return (day.to_owned(), Some(time.to_owned()));
     }
     let mut words: Vec<&str> = text.split([' ', '_']).filter(|word| !word.is_empty()).collect();
     // "2026:234:03:15:00"
@@ -104,6 +117,8 @@ pub(super) fn date_and_time(text: &str) -> (String, Option<String>) {
         let is_half = |word: &&str| ["AM", "PM"].iter().any(|half| half.eq_ignore_ascii_case(word));
         let end = at + 1 + usize::from(words.get(at + 1).is_some_and(is_half));
         let time = words.drain(at..end).collect::<Vec<&str>>().join(" ");
+        // "Sat Aug 22 03:15:00 UTC 2026"
+        words.retain(|word| !without_universal(word).is_empty());
         return (words.join(" "), Some(time));
     }
     match words[..] {
@@ -142,7 +157,8 @@ fn parse_day(text: &str, is_of_standard: bool, scale: TimeScale) -> DateText {
     let (orders, digits) = match (&numbers[..], month) {
         (&[(8, date)], None) => return one(Some([date / 10_000, date / 100 % 100, date % 100])),
         (&[(7, date)], None) => return one(day_of_year(date / 1000, date % 1000, scale)),
-        (&[(4, year), (3, day)], None) => return one(day_of_year(year, day, scale)),
+        // "2026.234" is a decimal year.
+        (&[(4, year), (3, day)], None) if !text.contains('.') => return one(day_of_year(year, day, scale)),
         (&[(4, year), (1 | 2, month), (1 | 2, day)], None) | (&[(4, year), (1 | 2, day)], Some(month)) => {
             return one(Some([year, month, day]));
         }
@@ -183,7 +199,13 @@ pub(super) fn parse_time(text: &str) -> Option<([u32; 2], f64)> {
         } else if text.matches('.').count() == 2 {
             text.replace('.', ":")
         } else {
-            text.trim_end_matches('s').replace(['h', 'm', ' ', '-'], ":")
+            let numbers = text.trim_end_matches('s').split(['h', 'm', ' ', '-']).map(str::trim);
+            numbers
+                .enumerate()
+                .filter(|(at, number)| *at == 0 || !number.is_empty())
+                .map(|(_, number)| number)
+                .collect::<Vec<_>>()
+                .join(":")
         };
         if text.matches(':').count() != 2 {
             return None;
@@ -199,14 +221,23 @@ pub(super) fn parse_time(text: &str) -> Option<([u32; 2], f64)> {
     let hours = match (hours.parse::<u32>().ok()?, half) {
         (12, Some(0)) => 0,
         (hours @ 1..12, Some(1)) => hours + 12,
-        (hours, _) => hours,
+        (hours @ 1..12, Some(0)) | (hours @ 12..24, Some(1)) | (hours, None) => hours,
+        // "0:15 PM", "13:15 AM"
+        _ => return None,
     };
     let clock = [hours, minutes.parse().ok()?];
-    (clock[0] < 24 && clock[1] < 60 && (0.0..61.0).contains(&seconds)).then_some((clock, seconds))
+    let is_end_of_day = clock == [24, 0] && seconds == 0.0;
+    let exists = clock[0] < 24 && clock[1] < 60 && (0.0..61.0).contains(&seconds);
+    (exists || is_end_of_day).then_some((clock, seconds))
 }
 
-/// Returns the epoch of a date and a time; `None` for a date that does not exist.
+/// Returns the epoch of a date and a time; `None` for a date that does not exist. 24:00:00 is 0 h of the next day.
 pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale) -> Option<Epoch> {
+    if clock[0] == 24 {
+        // Noon, because a day may have a leap second.
+        let (year, month, day, ..) = seconds_after(at(day, [12, 0], 0.0, scale)?, DAY_S).to_gregorian(scale);
+        return at([u32::try_from(year).ok()?, month.into(), day.into()], [0, 0], 0.0, scale);
+    }
     let [year, month, day] = day;
     let whole = |number: u32| u8::try_from(number).ok();
     let minute = Epoch::maybe_from_gregorian(
@@ -228,7 +259,8 @@ pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale)
 pub(super) struct Keywords<'a>(pub &'a [&'a Header]);
 
 impl<'a> Keywords<'a> {
-    /// Returns the cards of all headers. A header that is given twice, that of an image in the primary HDU, is read once.
+    /// Returns the cards of all headers. A header that is given twice, that of an image in the primary HDU, is read
+    /// once.
     pub fn cards(self) -> impl Iterator<Item = &'a Card> {
         let is_first = move |(at, header): &(usize, &&'a Header)| {
             !self.0[..*at].iter().any(|other| std::ptr::eq(*other, **header))
@@ -368,6 +400,10 @@ mod tests {
             "2020-03-06T00h04m15.410235s",
             "2020-03-05 17:04:15.410235 UTC-7",
             "2020-03-06 00:04:15.410235 [UTC]",
+            "Fri Mar 06 00:04:15.410235 UTC 2020",
+            "00:04:15.410235 2020-03-06",
+            "00:04:15.410235 GMT 06 Mar 2020",
+            "20200306-000415.410235",
         ] {
             assert_eq!(at(text), expected, "{text}");
         }
@@ -403,19 +439,28 @@ mod tests {
             "2020-03-06T00:61:00",
             "2020-03",
             "2023-366",
+            "2020.066",
+            "2020-03-06T24:00:01",
+            "2020-03-06 0:15:00 PM",
             "2020-03-06 late",
             "Mar Apr 2020",
         ] {
             assert_eq!(at(text), DateText::Unreadable, "{text}");
         }
         assert_eq!(parse_time("19:36:37.5"), Some(([19, 36], 37.5)));
+        for text in ["2020-03-05T24:00:00", "2020-03-06 0:00:00", "24:00:00 2020-03-05"] {
+            assert_eq!(at(text), DateText::Moment(Epoch::from_gregorian_utc(2020, 3, 6, 0, 0, 0, 0)), "{text}");
+        }
+        assert_eq!(parse_time("3h 15m 0s"), Some(([3, 15], 0.0)));
+        assert_eq!(parse_time("3 h 15 m 0.5 s"), Some(([3, 15], 0.5)));
+        assert_eq!(parse_time("13:15:00 PM"), Some(([13, 15], 0.0)));
         assert_eq!(parse_time("19:36"), Some(([19, 36], 0.0)));
         for (text, clock) in
             [("7:36:37 PM", [19, 36]), ("12:36:37am", [0, 36]), ("19 36 37", [19, 36]), ("193637", [19, 36])]
         {
             assert_eq!(parse_time(text), Some((clock, 37.0)), "{text}");
         }
-        for text in ["70577.1", "19h36", "-19 36 37", "late", "3.25"] {
+        for text in ["70577.1", "19h36", "-19 36 37", "late", "3.25", "0:15:00 PM", "13:15:00 AM", "0:15:00 am"] {
             assert_eq!(parse_time(text), None, "{text}");
         }
     }

@@ -19,11 +19,12 @@ const GEODETIC: [&str; 3] = ["OBSGEO-B", "OBSGEO-L", "OBSGEO-H"];
 const CAMERAS: [&str; 6] = ["DECam", "HSC", "Hyper Suprime-Cam", "DESI", "ZTF", "Tomo-e Gozen"];
 /// Keywords with names of sites, in order of precedence.
 const NAMES: [&str; 7] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SITENAME", "SITE", SITE_CODE];
-/// Keyword of codes such as `coj` (Las Cumbres Observatory). Codes of the Minor Planet Center are not looked up, because
-/// numbers have another meaning in other headers.
+/// Keyword of codes such as `coj` (Las Cumbres Observatory). Numbers are no codes of the Minor Planet
+/// Center in this keyword, because they have another meaning in other headers.
 const SITE_CODE: &str = "SITEID";
 /// Keywords of codes of the Minor Planet Center.
 const MPC_CODES: &[&str] = &["MPC-CODE", "OBS-CODE", "IAU-CODE"];
+/// Codes of the sites of the Las Cumbres Observatory.
 const LAS_CUMBRES: [&str; 7] = ["coj", "cpt", "elp", "lsc", "ogg", "tfn", "tlv"];
 /// Keywords of latitude and longitude that do not give the site, because no standard defines the sign and the unit of
 /// the longitude. They must agree with the name of the site in one of the usual senses.
@@ -63,14 +64,16 @@ const HIGHEST_M: f64 = 9000.0;
 const ROUGH_DEG: f64 = 0.5;
 
 /// Description of the keywords, for errors.
-pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known site in INSTRUME, TELESCOP or OBSERVAT";
+pub const SITE_KEYWORDS: &str =
+    "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; MPC-CODE; or a known site in INSTRUME, TELESCOP or OBSERVAT";
 
 /// Site in the headers of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeaderSite {
     /// The site.
     pub site: Site,
-    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours.
+    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours, or about an unknown code
+    /// of the Minor Planet Center.
     pub remark: Option<String>,
 }
 
@@ -105,10 +108,18 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
         }
         stated.push((format!("{}, ...", names[0]), site));
     }
+    let mut unknown = None;
     for keyword in MPC_CODES {
         let number = keywords.number(&[keyword], |_| true).map(|(name, number, _)| (name, format!("{number:03}")));
-        let code = keywords.text(&[keyword]).or(number);
-        stated.extend(code.and_then(|(name, code)| Some((format!("{name} {code:?}"), Site::from_mpc(&code).ok()?))));
+        let Some((name, code)) = keywords.text(&[keyword]).or(number) else { continue };
+        match Site::from_mpc(&code) {
+            Ok(site) => stated.push((format!("{name} {code:?}"), site)),
+            // Codes have digits, "none" has not.
+            Err(_) if !code.contains(|c: char| c.is_ascii_digit()) => {}
+            Err(_) => {
+                unknown = Some(format!("{name} {code:?} is no known code of the Minor Planet Center: it is not used"))
+            }
+        }
     }
     // Names of several sites, and of sites that are part of an unknown name.
     let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
@@ -166,18 +177,20 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
                 let allowed = "the coordinates of this site, or for example --site, --mpc or --lat and --lon";
                 Error::invalid(format!("site of {first_from}"), given, allowed)
             })?;
-            Ok(Some(HeaderSite { site: first.clone(), remark }))
+            Ok(Some(HeaderSite { site: first.clone(), remark: remark.or(unknown) }))
         }
     }
 }
 
-/// Returns a number of [`CARTESIAN`] or [`GEODETIC`], in metres or degrees, with the unit that its comment states. It may be
-/// a text such as `30 14 40 S` or `2663 m`.
+/// Returns a number of [`CARTESIAN`] or [`GEODETIC`], in metres or degrees, with the unit that its comment states. It
+/// may be a text such as `30 14 40 S` or `2663 m`.
 fn coordinate(keywords: Keywords<'_>, name: &str) -> Option<Result<f64, Error>> {
     let (header, keyword) = keywords.find(name)?;
     let is_angle = name == GEODETIC[0] || name == GEODETIC[1];
     let (value, text) = match (header.number(&keyword), header.text(&keyword)) {
         (Some(value), _) => (value, header.comment(&keyword)),
+        // "unknown"
+        (None, Some(text)) if !text.contains(|c: char| c.is_ascii_digit()) => return None,
         (None, Some(text)) if is_angle => {
             let Some(value) = degrees(&text) else {
                 let allowed = "degrees such as -30.2446, -30:14:40 or '30 14 40 S', or for example --site";
@@ -213,7 +226,10 @@ fn coordinate(keywords: Keywords<'_>, name: &str) -> Option<Result<f64, Error>> 
         ]
     };
     let stated = Comment::new(bracket.unwrap_or(&text));
+    // "1h22m" is already converted.
+    let is_converted = is_angle && header.text(&keyword).is_some_and(|text| is_in_hours(&text));
     let factor = units.iter().find(|(_, words)| stated.has(words)).map(|(factor, _)| *factor);
+    let factor = if is_converted { Some(1.0) } else { factor };
     // Positive to the west, unless the comment also names the other side, as in "east positive, west negative".
     let is_reversed = value > 0.0
         && ((name == GEODETIC[1] && comment.has("west w") && !comment.has("east e"))
@@ -222,7 +238,8 @@ fn coordinate(keywords: Keywords<'_>, name: &str) -> Option<Result<f64, Error>> 
     Some(match factor.or(bracket.is_none().then_some(1.0)) {
         Some(factor) if !is_reversed && !is_too_high => Ok(factor * value),
         _ => {
-            let allowed = "degrees to the north and east, and metres, or for example --site, --mpc or --lat and --lon";
+            let allowed = "degrees to the north and east, and at most 9000 m or a height with its unit, or for example --site, \
+                           --mpc or --lat and --lon";
             Err(Error::invalid(keyword, format!("{value} (comment {text:?})"), allowed))
         }
     })
@@ -235,8 +252,8 @@ pub(super) fn longitude_of_unknown_sense_deg(keywords: Keywords<'_>) -> Option<f
     Some((value + 180.0).rem_euclid(360.0) - 180.0)
 }
 
-/// Compares the site with the latitude and the longitude in keywords that no standard defines. Returns a sentence if the
-/// longitude fits only to the west or in hours, and its comment does not say so. Zeros and text without numbers are
+/// Compares the site with the latitude and the longitude in keywords that no standard defines. Returns a sentence if
+/// the longitude fits only to the west or in hours, and its comment does not say so. Zeros and text without numbers are
 /// ignored.
 ///
 /// # Errors
@@ -244,7 +261,7 @@ pub(super) fn longitude_of_unknown_sense_deg(keywords: Keywords<'_>) -> Option<f
 /// comment states, unless the site has a name (DECam writes 70.81 as "east longitude").
 fn compared(keywords: Keywords<'_>, site: &Site, is_named: bool) -> Result<Option<String>, String> {
     // Latitude and longitude of an incomplete position.
-    let is_complete = GEODETIC.iter().all(|name| keywords.find(name).is_some());
+    let is_complete = GEODETIC.iter().all(|name| coordinate(keywords, name).is_some());
     let stated = |names: &[&str]| {
         names.iter().filter(|name| !(is_complete && name.starts_with(OBSGEO))).find_map(|name| {
             let (header, keyword) = keywords.find(name)?;
@@ -286,6 +303,10 @@ fn compared(keywords: Keywords<'_>, site: &Site, is_named: bool) -> Result<Optio
     Ok(Some(format!("{given}, which is read as {sense}, as it fits the site (longitude {longitude_deg:.2} deg)")))
 }
 
+fn is_in_hours(text: &str) -> bool {
+    text.split_once('h').is_some_and(|(before, _)| before.ends_with(|c: char| c.is_ascii_digit()))
+}
+
 /// Parses an angle such as `-30.24`, `-30:14:40`, `30d14m40s`, `30 14 40 S`, `W110` or `-7h20m`, degrees.
 fn degrees(text: &str) -> Option<f64> {
     let text = text.trim();
@@ -293,8 +314,7 @@ fn degrees(text: &str) -> Option<f64> {
     let is_side =
         ["south", "w", "west"].contains(&&*last) || text.ends_with('S') || (last == "s" && !text.contains(['d', 'm']));
     let is_negative = is_side || text.starts_with(['-', 'S', 's', 'W', 'w']);
-    let is_in_hours = text.split_once('h').is_some_and(|(before, _)| before.ends_with(|c: char| c.is_ascii_digit()));
-    let unit = if is_in_hours { 15.0 } else { 1.0 };
+    let unit = if is_in_hours(text) { 15.0 } else { 1.0 };
     let mut parts = text.split(|c: char| !c.is_ascii_digit() && c != '.').filter(|part| !part.is_empty());
     let whole: f64 = parts.next()?.parse().ok()?;
     let rest: Option<Vec<f64>> = parts.take(2).map(|part| part.parse().ok()).collect();
@@ -317,6 +337,36 @@ mod tests {
     fn remark(text: &str) -> Result<String, String> {
         let found = site_from_headers(&[&Header::from_text(text)]).map_err(|error| error.to_string())?;
         Ok(found.and_then(|found| found.remark).unwrap_or_default())
+    }
+
+    #[test]
+    fn unknown_codes_are_stated() {
+        for code in ["'Z99'", "999.5"] {
+            assert!(
+                remark(&format!("OBSERVAT= 'CTIO'\nMPC-CODE= {code}")).unwrap().contains("is no known code"),
+                "{code}"
+            );
+        }
+        for code in ["'807'", "'none'"] {
+            assert_eq!(remark(&format!("OBSERVAT= 'CTIO'\nMPC-CODE= {code}")).unwrap(), "", "{code}");
+        }
+    }
+
+    /// A longitude in hours is converted once, and a text without digits is no coordinate.
+    #[test]
+    fn texts_of_coordinates() {
+        let of = |longitude: &str| {
+            let found =
+                found(&[&Header::from_text(&format!("OBSGEO-B= 30.0\nOBSGEO-L= {longitude}\nOBSGEO-H= 1000.0\n"))]);
+            found.unwrap().unwrap().longitude_rad.to_degrees()
+        };
+        for longitude in ["'1h22m' / longitude in hours", "'1h22m' / [h]", "'1h22m'", "1.36666666667 / [h]"] {
+            assert!((of(longitude) - 20.5).abs() < 1e-6, "{longitude}");
+        }
+        for text in ["OBSGEO-B= 'unknown'", "OBSGEO-L= 'n/a'\nOBSGEO-H= 'n/a'"] {
+            let found = found(&[&Header::from_text(&format!("{text}\nTELESCOP= 'Gemini-North'"))]);
+            assert!(found.is_ok_and(|site| site.is_some()), "{text}");
+        }
     }
 
     /// Longitudes to the west or in hours beside a position or a name.
@@ -471,7 +521,7 @@ mod tests {
             assert!((site.height_m - 1000.0).abs() < 1.0, "{text}: {site:?}");
         }
         for text in [
-            "OBSGEO-B= 'here'\nOBSGEO-L= 3\nOBSGEO-H= 0\n",
+            "OBSGEO-B= '95 here'\nOBSGEO-L= 3\nOBSGEO-H= 0\n",
             "OBSGEO-B= 30\nOBSGEO-L= 3\nOBSGEO-H= '5 furlongs'\n",
             "OBSGEO-B= 30\nOBSGEO-L= '110:00:00' / west\nOBSGEO-H= 0\n",
             "OBSGEO-B= 30\nOBSGEO-L= 3\nOBSGEO-H= 13796\n",

@@ -2,7 +2,7 @@
 
 use super::super::card::{Card, CardValue};
 use super::super::header::Header;
-use super::comment::{Comment, FRAMES, seconds_in};
+use super::comment::{AGREED_S, Comment, FRAMES, seconds_in};
 use super::moment::{Keywords, bare, is_spelling};
 
 /// Keywords of the number of exposures that the detector adds before it stores a frame.
@@ -72,17 +72,19 @@ pub const ADDED: &str = "stack stacked stacking combine combined combining coadd
 const COMBINED: &str = "combine combined combining averaged summed";
 /// Keywords of remarks.
 pub const REMARKS: &[&str] = &["HISTORY", "COMMENT"];
+/// Words of other frames than exposures of the sky, and of parts of frames.
 pub const OF_CALIBRATION: &str = "bias biases dark darks flat flats zero zeros fringe sky calibration master reference ref \
      template background pixel pixels star stars rejected";
 /// Words of times and names instead of counts.
-const NO_COUNTS: &str = "time second seconds sec s minutes hours id index method mode rate fps guiding guider";
+const NO_COUNTS: &str =
+    "width height size time second seconds sec s minutes hours id index method mode rate fps guiding guider";
 /// Words of series of separate files.
 pub const OF_SERIES: &str = "sequence series set run group groups";
 
-/// Largest difference between exposure times that are taken as consistent: a fraction of the exposure time, and
-/// seconds.
+/// Largest difference between exposure times that are taken as consistent, in addition to 0.1 s: a fraction of the
+/// exposure time.
 const LENGTH_SLACK: f64 = 0.01;
-const LENGTH_SLACK_S: f64 = 0.1;
+
 /// Number of exposures that are added in a frame.
 pub struct Parts {
     pub keyword: String,
@@ -100,11 +102,11 @@ impl Parts {
 
 /// Returns true if two exposure times are taken as the same.
 pub fn agree(a: f64, b: f64) -> bool {
-    (a - b).abs() <= LENGTH_SLACK_S + LENGTH_SLACK * a.abs()
+    (a - b).abs() <= AGREED_S + LENGTH_SLACK * a.abs()
 }
 
-/// Returns the number of exposures that are added in the frame, if they are several. `is_per_part` is true if the comment
-/// of the exposure time states that it is the time of one of them.
+/// Returns the number of exposures that are added in the frame, if they are several. `is_per_part` is true if the
+/// comment of the exposure time states that it is the time of one of them.
 pub fn parts(keywords: Keywords<'_>, coadds: &[&str], is_per_part: bool) -> Option<Parts> {
     let sure = coadds.iter().chain(STACKED).find_map(|keyword| keywords.number(&[keyword], |count| count > 1.0));
     if let Some((keyword, count, _)) = sure {
@@ -169,8 +171,8 @@ pub fn is_alone(keywords: Keywords<'_>) -> bool {
         || keywords.cards().any(is_one)
 }
 
-/// Returns the name and the value of what may state that the frame is a sum of several: a number of exposures, which may
-/// be that of separate files, the names of added files, or a text.
+/// Returns the name and the value of what may state that the frame is a sum of several: a number of exposures, which
+/// may be that of separate files, the names of added files, or a text.
 pub fn doubtful(keywords: Keywords<'_>, seconds: f64) -> Option<(String, String)> {
     if keywords.number(STACKED, |count| count == 1.0).is_some() {
         return None;

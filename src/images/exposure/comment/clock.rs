@@ -2,8 +2,11 @@
 
 use hifitime::TimeScale;
 
+use super::doubt::HOUR_S;
+use super::quantity::{number_end, quantities};
 use super::words::{Comment, lists};
 
+/// Words of local times.
 const LOCAL: &str = "local localtime locale lokal lokale lokalzeit ortszeit civil wall daylight sommerzeit winterzeit";
 /// Words that form the name of a zone together with "time", "standard time" or "summer time".
 const ZONE_NAMES: &str = "eastern mountain pacific atlantic newfoundland hawaii hawaiian alaska alaskan samoa \
@@ -15,8 +18,13 @@ const ZONES: &str = "BJT WIB PST PDT MST MDT CST CDT EST EDT HST HDT AKST AKDT A
      IST MEZ MESZ JST KST HKT SGT PKT AEST AEDT ACST ACDT AWST NZST NZDT MSK SAST CLT CLST BRT BRST LT LMT";
 /// Computers whose clock may be local, and words of a clock.
 const COMPUTERS: &str = "computer pc host laptop workstation system";
-const HOURS: &str = "h hr hrs hour hours";
 const COMPUTER_CLOCKS: &str = "time clock timestamp date";
+/// Hours as units.
+const HOURS: &str = "h hr hrs hour hours";
+/// Words that an offset from universal time follows.
+const WITH_OFFSET: &str = "ut utc gmt zone timezone local obs";
+/// Abbreviations of other time scales, and words of universal time.
+pub(super) const OTHER_SCALES: &str = "tai iat tt tdt tdb gps";
 pub(super) const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
 
 impl Comment {
@@ -49,7 +57,10 @@ impl Comment {
                 return first.is_local() || others.iter().any(Self::is_local);
             }
             // "MST (UTC = MST + 7 h)", "MST; UTC is 7 h ahead"
-            let has_sum = |other: &Self| other.text.contains(|c: char| c == '=' || c.is_ascii_digit());
+            let has_sum = |other: &Self| {
+                let has_hours = || quantities(&other.text.to_ascii_lowercase()).iter().any(|sum| sum.unit_s == HOUR_S);
+                other.is_universal() && (other.text.contains('=') || other.has("ahead behind") || has_hours())
+            };
             if !first.is_universal() && others.iter().any(has_sum) && first.is_local() {
                 return true;
             }
@@ -59,7 +70,7 @@ impl Comment {
         }
         // "UTC minus 7 hours", "not UTC"
         let is_denied = || {
-            let others = self.words().filter(|word| lists(UNIVERSAL, word) || lists("tai iat tt tdt tdb gps", word));
+            let others = self.words().filter(|word| lists(UNIVERSAL, word) || lists(OTHER_SCALES, word));
             (self.has_pair("not", UNIVERSAL) || self.has_pair("in", UNIVERSAL) && self.has_pair("not", "in"))
                 && others.count() == 1
         };
@@ -83,8 +94,8 @@ impl Comment {
         !is_universal && (self.words().any(is_zone) || self.has_pair(ZONE_NAMES, "time standard summer zeit"))
     }
 
-    /// Returns true if a clause states the offset of another time from universal time, or where that time is, as in "local =
-    /// UTC-7", "MST is UTC - 7 h" and "local time: see DATE-LOC".
+    /// Returns true if a clause states the offset of another time from universal time, or where that time is, as in
+    /// "local = UTC-7", "MST is UTC - 7 h" and "local time: see DATE-LOC".
     fn defines_local(&self) -> bool {
         let is_other = |part: &Self| {
             part.has(LOCAL) || part.has("zone timezone site observatory") || part.words().any(|word| lists(ZONES, word))
@@ -99,37 +110,26 @@ impl Comment {
         }
     }
 
-    /// Returns true if the comment states an offset from UTC other than 0, such as `UTC-7`, `(GMT +5:30)`, `-07:00` or `+7 h`.
+    /// Returns true if the comment states an offset from UTC of 1 to 14 h in quarters of an hour, such as `UTC-7`,
+    /// `(GMT +5:30)`, and, if it does not state UTC, `-07:00` or `+7 h`. "0-24 h" is no offset.
     fn has_offset(&self) -> bool {
         let lower = self.text.to_ascii_lowercase();
-        // "-07:00"
-        let is_form = |word: &str| {
-            let digits: Vec<char> = word.trim_start_matches(['+', '-']).chars().collect();
-            matches!(digits[..], [a, b, ':', c, d] if [a, b, c, d].iter().all(char::is_ascii_digit) && word.len() == 6 && word[1..] != *"00:00")
-        };
-        if lower.split([' ', '(', ')', '[', ']', ',', ';']).any(is_form) {
-            return true;
-        }
-        // "+7 h"
-        let is_hours = |at: usize| {
-            let number = lower[at + 1..].trim_start();
-            let end = number.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(number.len());
-            let unit = number[end..].trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-            end > 0 && lists(HOURS, unit) && !lower[..at].ends_with('/')
-        };
-        if lower.match_indices(['+', '-']).any(|(at, _)| is_hours(at)) {
-            return true;
-        }
-        ["utc", "gmt", "ut"].iter().any(|name| {
-            lower.match_indices(name).any(|(at, _)| {
-                let rest = lower[at + name.len()..].trim_start();
-                let is_word = !lower[..at].ends_with(|c: char| c.is_ascii_alphanumeric());
-                let digits = rest
-                    .strip_prefix(['+', '-'])
-                    .map(|rest| rest.trim_start().split(|c: char| c != ':' && !c.is_ascii_digit()));
-                let offset = digits.and_then(|mut digits| digits.next()).unwrap_or_default();
-                is_word && offset.len() <= 5 && offset.contains(|c: char| ('1'..='9').contains(&c))
-            })
+        lower.match_indices(['+', '-']).any(|(at, _)| {
+            let before = lower[..at].trim_end_matches([' ', ':', '=', '(']);
+            let word = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
+            let rest = lower[at + 1..].trim_start();
+            let (hours, unit) = rest.split_at(number_end(rest));
+            let minutes = unit.strip_prefix(':').map(|minutes| &minutes[..number_end(minutes)]);
+            let is_clock = minutes.is_some_and(|minutes| minutes.len() == 2);
+            let hours =
+                hours.parse::<f64>().unwrap_or(0.0) + minutes.and_then(|text| text.parse().ok()).unwrap_or(0.0) / 60.0;
+            let unit = unit.trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+            let is_offset = (1.0..=14.0).contains(&hours) && (4.0 * hours).fract() == 0.0;
+            let is_sign = !lower[..at].ends_with(|c: char| c == '/' || c.is_ascii_digit());
+            let is_after_zone = lists(WITH_OFFSET, word);
+            let is_stated =
+                if self.is_universal() { is_after_zone } else { is_after_zone || is_clock || lists(HOURS, unit) };
+            is_offset && is_sign && is_stated
         })
     }
 

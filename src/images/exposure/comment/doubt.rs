@@ -1,6 +1,6 @@
 //! Uncertainties of times in comments, and remarks about clocks.
 
-use super::clock::UNIVERSAL;
+use super::clock::{OTHER_SCALES, UNIVERSAL};
 use super::part::FILLERS;
 use super::quantity::quantities;
 use super::seconds::seconds_in;
@@ -12,12 +12,18 @@ const APPROXIMATE: &str = "approximate approximately approx estimated about nomi
 const NEUTRAL: &str = "as is was when which with on by taken acquired acquisition data gregorian calendar greenwich modified \
      coordinated international atomic standard matching ob day format iso isot iso8601 fits value number since nov days seconds hours sec \
      row midas desc typical yy hhmmss ddthh mmthh thh ss sss ssss mm 1st";
+/// Words of errors of times.
 const ERRORS: &str = "error uncertainty inaccuracy drift";
 /// Words of remarks about clocks.
 const CLOCK_ERRORS: &str = "offset error errors fast slow late early wrong corrected correction shifted drift";
-/// Words of shifts of the start by a stated time, and the largest shift that is not stated, seconds.
-const SHIFTS: &str = "offset error fast slow late early ahead behind delay delayed lag subtract add minus plus shifted";
-const LARGEST_SHIFT_S: f64 = 0.1;
+/// Words of shifts of the start by a stated time.
+const SHIFTS: &str =
+    "offset error fast slow late later early earlier ahead behind delay delayed lag subtract add minus plus shifted";
+/// Largest shift, uncertainty, or difference of starts and lengths that is not stated, seconds: satellites of low
+/// orbits move by 0.1 deg in it.
+pub const AGREED_S: f64 = 0.1;
+/// An hour, seconds: the unit of zones.
+pub(super) const HOUR_S: f64 = 3600.0;
 /// Beginnings of statements of the uncertainty of a time.
 const UNCERTAINTIES: &[&str] =
     &["+/-", "+-", "~", "accura", "uncertain", "error", "within", "tolerance", "precision", "off by"];
@@ -37,7 +43,7 @@ impl Comment {
 
     /// Returns true if the comment states an uncertainty of more than 0.1 s, or that the value is approximate.
     pub fn is_approximate(&self) -> bool {
-        self.has(APPROXIMATE) || self.uncertainty_s().is_some_and(|uncertainty_s| uncertainty_s > LARGEST_SHIFT_S)
+        self.has(APPROXIMATE) || self.uncertainty_s().is_some_and(|uncertainty_s| uncertainty_s > AGREED_S)
     }
 
     /// Returns true if a remark states that the times of the header are local, of the middle or the end, or wrong.
@@ -53,22 +59,37 @@ impl Comment {
         self.has_pair("time timing timestamp", ERRORS) || (is_about && self.has(ERRORS))
     }
 
-    /// Returns true if the comment states that the time is only near a part of the exposure, or if it states no part and
-    /// contains other words than those of a date, such as "trigger" and "clock unsynchronised".
+    /// Returns true if the comment states a shift of more than 0.1 s, as in "start + 30 s", "UTC start (5 s delay)" and
+    /// "30 s before start". Hours are those of a zone, and "TAI - 37 s" is a scale.
+    pub(super) fn is_shifted(&self) -> bool {
+        let lower = self.text.to_ascii_lowercase();
+        lower.split([',', ';', '(', ')', '[', ']']).any(|clause| {
+            let end = UNCERTAINTIES.iter().filter_map(|mark| clause.find(mark)).min();
+            let clause = &clause[..end.unwrap_or(clause.len())];
+            let has_word = Self::new(clause).has(SHIFTS);
+            quantities(clause).iter().any(|shift| {
+                let before = clause[..shift.at.start].trim_end();
+                let of_sign = before.strip_suffix(['+', '-']).map(str::trim_end).is_some_and(|part| {
+                    let word = part.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+                    !part.ends_with(|c: char| c.is_ascii_digit()) && !lists(OTHER_SCALES, word)
+                });
+                let next = clause[shift.at.end..].split_whitespace().next().unwrap_or_default();
+                shift.number * shift.unit_s > AGREED_S
+                    && shift.unit_s < HOUR_S
+                    && (of_sign || has_word || lists("before after", next))
+            })
+        })
+    }
+
+    /// Returns true if the comment states that the time is only near a part of the exposure, or if it states no part
+    /// and contains other words than those of a date, such as "trigger" and "clock unsynchronised".
     pub fn is_doubtful(&self) -> bool {
         let is_known = |word: &str| {
             [PARTS[0].1, EXPOSURE, CLOCK, FILLERS, UNIVERSAL, NEUTRAL].iter().any(|list| lists(list, word))
                 || word.len() == 1
                 || word.bytes().all(|byte| byte.is_ascii_digit())
         };
-        // "UTC start, 5 s late"
-        let is_shifted = || {
-            let lower = self.text.to_ascii_lowercase();
-            quantities(&lower).iter().any(|shift| shift.number * shift.unit_s > LARGEST_SHIFT_S)
-        };
-        self.has(APPROXIMATE)
-            || (self.has(SHIFTS) && is_shifted())
-            || (self.parts().0.is_empty() && !self.words().all(is_known))
+        self.has(APPROXIMATE) || self.is_shifted() || (self.parts().0.is_empty() && !self.words().all(is_known))
     }
 }
 
@@ -90,7 +111,7 @@ mod tests {
             assert_eq!(Comment::new(text).uncertainty_s(), seconds, "{text}");
         }
         for text in [
-            "UTC start (5 s delay)",
+            "UTC (5 s delay)",
             "GPS trigger time",
             "PPS",
             "clock unsynchronised",

@@ -1,7 +1,6 @@
 //! Part of the exposure to which an instant refers, by the comment of its card.
 
-use super::clock::UNIVERSAL;
-use super::seconds::seconds_in;
+use super::clock::{OTHER_SCALES, UNIVERSAL};
 use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
 /// Words of the end that have another meaning before a noun.
@@ -33,9 +32,11 @@ const EVENTS: &str = "received reception arrival arrived created creation saved 
 const WRITERS: &str = "written created generated modified stored saved";
 /// Words with which a part beside such an event is not that of the time.
 const UNSTATED: &str = "plus after not no unknown file packet";
+/// Words of times at the Sun or the barycentre.
 const CORRECTED: &str = "heliocentric barycentric hjd bjd bmjd hmjd";
 /// Reason why the time of such an event cannot be used.
 pub const AFTER_EXPOSURE: &str = "the time of an event after the exposure";
+/// Reason why a comment without a clear part cannot be used.
 const UNCLEAR: &str = "perhaps of another part of the exposure, or of another event,";
 
 impl Comment {
@@ -69,7 +70,9 @@ impl Comment {
         if self.has(PLANS) {
             return Err("a planned time");
         }
-        if self.is_of_period() {
+        // "start + 30 s"
+        let has_part = PARTS.iter().any(|(_, list)| self.has(list));
+        if self.is_of_period() || (has_part && self.is_shifted()) {
             return Err(UNCLEAR);
         }
         let (stated, is_unclear) = self.parts();
@@ -135,19 +138,7 @@ impl Comment {
         if matches!(stated[..], [Role::Start | Role::Middle]) || (stated == [Role::End] && is_sum(&joined)) {
             return (stated, false);
         }
-        // "start + 30 s", but not "start +00:00" and "exposure-1"
-        let is_shifted = |part: &str| {
-            joined.match_indices(part).any(|(at, _)| {
-                let number = joined[at + part.len()..].strip_prefix(['+', '-']).unwrap_or_default();
-                let end = number.find(|c: char| !c.is_ascii_digit()).unwrap_or(number.len());
-                let unit = number[end..].split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
-                end > 0 && seconds_in(unit).is_some()
-            })
-        };
         let mut is_unclear = self.has(OTHERS);
-        if ["start", "begin", "exposure", "end", "mid"].into_iter().any(is_shifted) {
-            return (Vec::new(), true);
-        }
         for (clause, words) in self.clauses.iter().enumerate() {
             let of_others = others_from.is_some_and(|from| clause >= from);
             for (role, list) in PARTS {
@@ -159,9 +150,15 @@ impl Comment {
                     if is_adjective || is_of_event(words, at) {
                         continue;
                     }
-                    // "UTC, not mid-exposure", but "not start" is of another part.
+                    // "UTC, not at the exposure end", but "not start" is of another part, and "not UTC at end" of the
+                    // end.
                     let is_part = |word: &str| PARTS.iter().any(|(_, list)| lists(list, word));
-                    let before = words[..at].iter().rev().find(|word| !lists(FILLERS, word) && !is_part(word));
+                    let is_scale = |word: &str| lists(UNIVERSAL, word) || lists(OTHER_SCALES, word);
+                    let is_between = |word: &str| {
+                        let is_noun = lists(EXPOSURE, word) || (lists(CLOCK, word) && !is_scale(word));
+                        is_noun || lists(FILLERS, word) || is_part(word)
+                    };
+                    let before = words[..at].iter().rev().find(|word| !is_between(word));
                     if before.is_some_and(|word| word.eq_ignore_ascii_case("not")) {
                         is_unclear |= *role == Role::Start;
                         continue;
@@ -282,6 +279,14 @@ mod tests {
             ("(start + end) / 2", Ok(Some(Role::Middle))),
             ("UTC, not mid-exposure", Ok(None)),
             ("UTC, not mid or end", Ok(None)),
+            ("UTC (not the exposure end)", Ok(None)),
+            ("not shutter close", Ok(None)),
+            ("UTC, not at shutter closing", Ok(None)),
+            ("UTC, not exposure middle", Ok(None)),
+            ("UTC, not at the time of the frame end", Ok(None)),
+            ("UT; start of exposure, not exposure end", Ok(Some(Role::Start))),
+            ("TAI not UTC at end", Ok(Some(Role::End))),
+            ("UTC, not the exposure start", Err(UNCLEAR)),
             ("UTC date & time, exposure-1", Ok(None)),
             ("not the start of exposure", Err(UNCLEAR)),
             ("not the end but the start", Ok(None)),
@@ -289,6 +294,20 @@ mod tests {
             ("JD - 2400001", Err("a Julian date from another day on")),
             ("start + 30 s", Err(UNCLEAR)),
             ("UTC at end of exposure - 2 s", Err(UNCLEAR)),
+            ("start + 1.5 s", Err(UNCLEAR)),
+            ("UTC start (+30 s)", Err(UNCLEAR)),
+            ("start of integration + 30 s", Err(UNCLEAR)),
+            ("opening of the shutter + 30 s", Err(UNCLEAR)),
+            ("MJD at end + 30.5 s", Err(UNCLEAR)),
+            ("30 s before start of exposure", Err(UNCLEAR)),
+            ("exposure begins 30 s later", Err(UNCLEAR)),
+            ("UTC start, delayed by 2 min", Err(UNCLEAR)),
+            ("start + 30 s +/- 1 s", Err(UNCLEAR)),
+            ("UTC start (20 ms delay)", Ok(Some(Role::Start))),
+            ("UTC at start (TAI - 37 s)", Ok(Some(Role::Start))),
+            ("start of exposure (1-30 s)", Ok(Some(Role::Start))),
+            ("start of exposure, 30 s, before readout", Ok(Some(Role::Start))),
+            ("start (+/- 30 s)", Ok(Some(Role::Start))),
             ("start, -07:00", Err("a local time")),
             ("start +00:00", Ok(Some(Role::Start))),
             ("not in UT", Err("a local time")),
@@ -409,6 +428,18 @@ mod tests {
             ("start, UTC-7", Err("a local time")),
             ("computer clock (GMT +5:30)", Err("a local time")),
             ("UTC+0, start", Ok(Some(Role::Start))),
+            ("UT, 0-24 h", Ok(None)),
+            ("[h] UT, 0-24 h", Ok(None)),
+            ("UT start, dec -31:16", Ok(Some(Role::Start))),
+            ("Date (UTC), observer at +19:49", Ok(None)),
+            ("UTC; HA -2.5 h", Ok(None)),
+            ("UT+0h", Ok(None)),
+            ("UT +5.5", Err("a local time")),
+            ("GMT +05:45", Err("a local time")),
+            ("Local PC clock, UTC, NTP stratum 1", Ok(None)),
+            ("Local computer clock (UTC, 1 ms)", Ok(None)),
+            ("site time, 24 h, UTC", Ok(None)),
+            ("Local site clock, NTP stratum 2, UTC", Ok(None)),
             ("UT1-UTC < 1 s", Ok(None)),
             ("half-way through the exposure", Ok(Some(Role::Middle))),
             ("BJD of start", Err("a time corrected to the Sun or the barycentre")),

@@ -9,7 +9,7 @@ use super::words::{Comment, lists};
 const SIZED: &str = "unit units tick ticks";
 const STEPS: &str = "ticks jiffies cycles clocks lines";
 /// Words beside a duration that may be the size of a unit or a resolution.
-pub(super) const RESOLUTIONS: &str = "unit units tick ticks jiffies step steps increment increments multiple multiples";
+const RESOLUTIONS: &str = "unit units tick ticks jiffies step steps increment increments multiple multiples";
 /// Words and signs before a duration that limits the value or is its error.
 const LIMITS: &str = "max maximum min minimum error accuracy uncertainty precision resolution";
 const LIMIT_SIGNS: &[&str] =
@@ -18,8 +18,8 @@ const LIMIT_SIGNS: &[&str] =
 const QUANTITY_SLACK: f64 = 0.01;
 
 impl Comment {
-    /// Returns the number of seconds in the unit of a value beside durations: `10 ms` as in "units of 10 ms", `1/1000 s` as
-    /// in "in 1/1000 s", a second if a duration is the value in seconds, and its unit if the number is the value.
+    /// Returns the number of seconds in the unit of a value beside durations: `10 ms` as in "units of 10 ms", `1/1000
+    /// s` as in "in 1/1000 s", a second if a duration is the value in seconds, and its unit if the number is the value.
     pub(super) fn unit_of_quantities_s(&self, text: &str, all: &[Quantity], value: f64) -> Result<Option<f64>, String> {
         let last_word =
             |text: &str| text.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default().to_owned();

@@ -26,8 +26,8 @@ pub fn fraction(word: &str) -> Option<(&str, f64)> {
     (ENDINGS.contains(&rest) || seconds_in(rest).is_some()).then_some((rest, size))
 }
 
-/// Returns the number of seconds in a unit of time, for example `ms`, `10 us`, `1/1000 s`, `hours` or `Minuten`; `None` for
-/// other words.
+/// Returns the number of seconds in a unit of time, for example `ms`, `10 us`, `1/1000 s`, `hours` or `Minuten`; `None`
+/// for other words.
 pub fn seconds_in(unit: &str) -> Option<f64> {
     if let Some((_, rest)) = unit.split_once("1/") {
         let (divisor, name) = rest.split_once(' ')?;
@@ -40,7 +40,9 @@ pub fn seconds_in(unit: &str) -> Option<f64> {
         stems.iter().any(|stem| name.strip_prefix(stem).is_some_and(|ending| ENDINGS.contains(&ending)))
     };
     let begins = |stems: &[&str], name: &str| stems.iter().any(|stem| name.starts_with(stem));
-    let is_second = |name: &str| name == "s" || is_of(&["sec", "second"], name) || begins(&["segund", "sekund"], name);
+    let is_second = |name: &str| {
+        ["s", "seg", "segs"].contains(&name) || is_of(&["sec", "second"], name) || begins(&["segund", "sekund"], name)
+    };
     let prefixes = [
         ("deci", 0.1),
         ("d", 0.1),

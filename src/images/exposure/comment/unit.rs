@@ -1,14 +1,21 @@
 //! Units of time in comments.
 
-use super::quantity::{RESOLUTIONS, number_end, quantities};
+use super::quantity::{number_end, quantities};
 use super::seconds::{ENDINGS, fraction, seconds_in};
 use super::words::{Comment, EXPOSURE, FRAMES, lists};
 
-/// Units of other kinds or longer than days. Other words in the plural are units where only a unit can be, as in "in frames".
-const OTHER_UNITS: &str = "week month year fortnight fps hz khz";
-/// Words of other quantities, as in "shutter speed denominator".
-const NO_TIMES: &str = "speed inverse reciprocal denominator percent ev";
-const NO_UNITS: &str = "temps series focus coadds subs lights darks biases flats";
+/// Units of other kinds or longer than days, in singular and plural.
+const OTHER_UNITS: &str = "week weeks month months year years fortnight fortnights fps hz khz";
+/// Words that are units where only a unit can be, as in "in frames".
+const COUNTS: &str = "frames reads counts pulses samples loops rows";
+/// Words of other quantities.
+const NO_TIMES: &str = "inverse reciprocal denominator percent ev";
+/// Functions of seconds.
+const FUNCTIONS: &[&str] =
+    &["log10", "log2", "log(", "log sec", "log seconds", "1/x", "per sec", "per second", "per seconds"];
+/// Statements of factors, and their error.
+const SCALINGS: &[&str] = &["multiplied by", "divided by", "scaled by"];
+const SCALED: &str = "a unit divided or multiplied by a number";
 /// Last words of the name of an exposure time.
 const EXPOSURE_TIME: &str = "time exposure exp exptime texp integration duration length";
 /// Words of pixels and rows, which divide a unit in comments such as "min/pixel" without another meaning.
@@ -26,8 +33,8 @@ const SPELLINGS: &[(&str, &str)] = &[
     ("t?sim", "tesim"),
 ];
 impl Comment {
-    /// Returns the number of seconds in the unit of time that the comment states, as [`Comment::unit_of_s`], without the
-    /// value: durations in the comment are errors.
+    /// Returns the number of seconds in the unit of time that the comment states, as [`Comment::unit_of_s`], without
+    /// the value: durations in the comment are errors.
     pub fn unit_s(&self) -> Result<Option<f64>, String> {
         self.unit_of_s(f64::NAN)
     }
@@ -39,9 +46,16 @@ impl Comment {
     /// # Errors
     /// An unknown unit in brackets, several units, or a duration that is not the value.
     pub fn unit_of_s(&self, value: f64) -> Result<Option<f64>, String> {
-        if let Some((unit, _)) = self.text.trim_start().strip_prefix('[').and_then(|rest| rest.split_once(']'))
+        if let Some((unit, rest)) = self.text.trim_start().strip_prefix('[').and_then(|rest| rest.split_once(']'))
             && unit.bytes().any(|byte| byte.is_ascii_alphabetic())
         {
+            // "[s] x 10"
+            let rest = rest.trim_start().to_ascii_lowercase();
+            let is_scaled =
+                rest.starts_with(['x', '*', '/']) && is_divided(&format!("{} {rest}", unit.to_ascii_lowercase()));
+            if is_scaled || SCALINGS.iter().any(|scaling| rest.starts_with(scaling)) {
+                return Err(SCALED.to_owned());
+            }
             return seconds_in(without_divisors(unit).trim())
                 .map(Some)
                 .ok_or_else(|| format!("the unit [{}]", unit.trim()));
@@ -63,8 +77,8 @@ impl Comment {
         if lower.contains("?s") {
             return Err("a unit that is not ASCII".to_owned());
         }
-        if is_divided(&lower) || self.has_pair("multiplied divided scaled", "by") {
-            return Err("a unit divided or multiplied by a number".to_owned());
+        if is_divided(&lower) || SCALINGS.iter().any(|scaling| lower.contains(scaling)) {
+            return Err(SCALED.to_owned());
         }
         let (text, has_clock_form) = without_clock_forms(&without_least_values(&without_divisors(&lower)));
         // In "exposure in s, error 10 ms" and "seconds (1/60 s steps)", the number with a unit is no unit of the value.
@@ -79,7 +93,7 @@ impl Comment {
         if has_clock_form {
             return Err("the form of a clock, such as h:m:s".to_owned());
         }
-        if self.has(NO_TIMES) || text.contains('%') {
+        if self.has(NO_TIMES) || self.has_pair("shutter exposure", "speed rate") || text.contains('%') {
             return Err("another unit than of a time".to_owned());
         }
         self.unit_of_quantities_s(&text, &quantities, value)
@@ -151,31 +165,14 @@ impl Comment {
         if is_marked("m") {
             return Err("the unit m".to_owned());
         }
-        for form in ["log10", "log2", "log(", "log sec", "1/x", "per sec", "sec^-1", "seconds^-1"] {
-            if lower.contains(form) {
-                return Err(format!("a function of seconds ({form})"));
-            }
+        if let Some(form) = FUNCTIONS.iter().find(|form| has_form(lower, form)) {
+            return Err(format!("a function of seconds ({form})"));
+        }
+        if is_rate(lower) {
+            return Err("a rate per second".to_owned());
         }
         let words = lower.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty());
         let words: Vec<&str> = words.collect();
-        let is_other = |word: &&&str| {
-            let is_plural = word.len() > 2
-                && word.ends_with('s')
-                && !word.ends_with("ss")
-                && !lists(NO_UNITS, word)
-                && !lists(RESOLUTIONS, word);
-            // "exposure in frames", but not "exposure in this stack"
-            let ends =
-                |at: usize| lower[at + word.len()..].trim_start().chars().next().is_none_or(|c| ",;:.()[]".contains(c));
-            let is_last = lower.match_indices(**word).any(|(at, _)| ends(at));
-            let is_alone = words.len() == 1 || (is_last && marks[2..].iter().any(|mark| follows(mark, word)));
-            ([Some(**word), word.strip_suffix('s')].into_iter().flatten().any(|unit| lists(OTHER_UNITS, unit))
-                && is_marked(word))
-                || (is_plural && is_alone && fraction(word).is_none() && seconds_in(word).is_none())
-        };
-        if let Some(word) = words.iter().find(is_other) {
-            return Err(format!("the unit {word}"));
-        }
         let (mut units, mut part): (Vec<f64>, f64) = (Vec::new(), 1.0);
         for (at, word) in words.iter().enumerate() {
             let (word, rest) = (*word, fraction(word));
@@ -200,6 +197,17 @@ impl Comment {
         if units.is_empty() && (is_marked("jd") || is_marked("mjd")) {
             units.push(crate::constants::DAY_S);
         }
+        // "exposure in frames", but not "exposure in frames of the stack"
+        let is_other = |word: &&&str| {
+            let ends =
+                |at: usize| lower[at + word.len()..].trim_start().chars().next().is_none_or(|c| ",;:.()[]".contains(c));
+            let is_last = || lower.match_indices(**word).any(|(at, _)| ends(at));
+            let is_unit = || words.len() == 1 || (is_last() && marks[2..].iter().any(|mark| follows(mark, word)));
+            (lists(OTHER_UNITS, word) && is_marked(word)) || (lists(COUNTS, word) && is_unit())
+        };
+        if let Some(word) = words.iter().find(is_other).filter(|_| units.is_empty()) {
+            return Err(format!("the unit {word}"));
+        }
         units.sort_by(f64::total_cmp);
         units.dedup();
         match units[..] {
@@ -215,16 +223,45 @@ impl Comment {
 fn is_divided(text: &str) -> bool {
     let is_scaled = |word: &str| seconds_in(word).is_some() || lists(EXPOSURE_TIME, word);
     text.match_indices(['/', '*', 'x']).any(|(at, sign)| {
-        let before = text[..at].trim_end_matches([' ', '(']);
+        // Not the x of "max"
+        if sign == "x" && text[..at].ends_with(|c: char| c.is_ascii_alphabetic()) {
+            return false;
+        }
+        let before = text[..at].trim_end_matches([' ', '(', ')', ']']);
         let unit = before.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
         let rest = text[at + 1..].trim_start();
         let end = number_end(rest);
         let next = rest.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
         // "x6", "6 x"
-        let is_alone = (before.is_empty() && end > 0) || (before.len() == number_end(before) && rest.is_empty());
+        let is_number = !before.is_empty() && before.len() == number_end(before);
+        let is_alone = (before.is_empty() && end > 0) || (is_number && rest.is_empty());
+        // "exptime/1.0"
+        let is_one = |number: &str| number.trim_end_matches('.').parse() == Ok(1.0);
+        if is_one(&rest[..end]) {
+            return false;
+        }
         (sign != "/" && is_alone)
             || (end > 0 && is_scaled(unit) && !begins_with_exposure(&rest[end..]))
             || (sign != "/" && before.ends_with(|c: char| c.is_ascii_digit()) && lists(EXPOSURE_TIME, next))
+    })
+}
+
+/// Returns true if a text contains a form of [`FUNCTIONS`] that is no part of other words, as in "log section".
+fn has_form(text: &str, form: &str) -> bool {
+    text.match_indices(form).any(|(at, _)| {
+        let is_end = !form.ends_with(|c: char| c.is_ascii_alphabetic())
+            || !text[at + form.len()..].starts_with(|c: char| c.is_ascii_alphabetic());
+        is_end && !text[..at].ends_with(|c: char| c.is_ascii_alphanumeric())
+    })
+}
+
+/// Returns true if a text contains a negative power of a unit of time, as in "s-1" and "sec^-1".
+fn is_rate(text: &str) -> bool {
+    text.match_indices("-1").any(|(at, power)| {
+        let unit =
+            text[..at].trim_end_matches('^').rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+        let is_power = !text[at + power.len()..].starts_with(|c: char| c.is_ascii_alphanumeric() || c == '.');
+        is_power && seconds_in(unit).is_some()
     })
 }
 
@@ -267,8 +304,8 @@ fn without_divisors(text: &str) -> String {
     })
 }
 
-/// Returns a text in which least values, as in "min 0.1, max 3600", are written as greatest ones, because "min" is also a
-/// unit.
+/// Returns a text in which least values, as in "min 0.1, max 3600", are written as greatest ones, because "min" is also
+/// a unit.
 fn without_least_values(text: &str) -> String {
     let value = |at: usize, word: &str| text[at + word.len()..].trim_start_matches([' ', '.', '=', ':', '<', '>']);
     let limits = |word: &'static str| {
@@ -347,15 +384,43 @@ mod tests {
             ("exposure in frames, unguided", Err("the unit frames".to_owned())),
             ("exposure in frames", Err("the unit frames".to_owned())),
             ("exposure of stars in s", Ok(Some(1.0))),
-            ("(x6)", Err("a unit divided or multiplied by a number".to_owned())),
-            ("6 x", Err("a unit divided or multiplied by a number".to_owned())),
+            ("(x6)", Err(SCALED.to_owned())),
+            ("6 x", Err(SCALED.to_owned())),
             ("shutter speed denominator", Err("another unit than of a time".to_owned())),
             ("shutter speed (s)", Ok(Some(1.0))),
-            ("exposure x10", Err("a unit divided or multiplied by a number".to_owned())),
-            ("10x exposure time", Err("a unit divided or multiplied by a number".to_owned())),
-            ("exposure time multiplied by 10", Err("a unit divided or multiplied by a number".to_owned())),
+            ("exposure x10", Err(SCALED.to_owned())),
+            ("10x exposure time", Err(SCALED.to_owned())),
+            ("exposure time multiplied by 10", Err(SCALED.to_owned())),
             ("exposure time x 3 frames", Ok(None)),
-            ("frames per second", Err("a function of seconds (per sec)".to_owned())),
+            ("frames per second", Err("a function of seconds (per second)".to_owned())),
+            ("s^-1", Err("a rate per second".to_owned())),
+            ("exposure rate, s-1", Err("a rate per second".to_owned())),
+            ("exposure rate", Err("another unit than of a time".to_owned())),
+            ("Exposure time, frame rate 5", Ok(None)),
+            ("in min^-1", Err("a rate per second".to_owned())),
+            ("[s] x 10", Err(SCALED.to_owned())),
+            ("[s] divided by 10", Err(SCALED.to_owned())),
+            ("[ms] / 100", Err(SCALED.to_owned())),
+            ("(s) *10", Err(SCALED.to_owned())),
+            ("[s] x 3 frames", Ok(Some(1.0))),
+            ("Exposure time in seconds, taken in parts", Ok(Some(1.0))),
+            ("Exposure time in GMOS", Ok(None)),
+            ("Exposure in this", Ok(None)),
+            ("obs", Ok(None)),
+            ("Exposures", Ok(None)),
+            ("tps", Ok(None)),
+            ("segs", Ok(Some(1.0))),
+            ("tiempo en seg", Ok(Some(1.0))),
+            ("counts", Err("the unit counts".to_owned())),
+            ("exposure in pulses", Err("the unit pulses".to_owned())),
+            ("Exposure time per sector", Ok(None)),
+            ("exposure per section", Ok(None)),
+            ("from catalog seconds", Ok(Some(1.0))),
+            ("*", Ok(None)),
+            ("x", Ok(None)),
+            ("Exposure x 1", Ok(None)),
+            ("exptime/1.0", Ok(None)),
+            ("exp time, high speed mode", Ok(None)),
             ("[1/10000 s] exposure", Ok(Some(1e-4))),
             ("in milli-seconds", Ok(Some(1e-3))),
             ("micro seconds", Ok(Some(1e-6))),
@@ -371,8 +436,8 @@ mod tests {
             ("exposure (hours:min)", Err("the form of a clock, such as h:m:s".to_owned())),
             ("duration hh:mm:ss", Err("the form of a clock, such as h:m:s".to_owned())),
             ("exposure in s: requested", Ok(Some(1.0))),
-            ("secs/1000", Err("a unit divided or multiplied by a number".to_owned())),
-            ("exposure (seconds x 10)", Err("a unit divided or multiplied by a number".to_owned())),
+            ("secs/1000", Err(SCALED.to_owned())),
+            ("exposure (seconds x 10)", Err(SCALED.to_owned())),
             ("exposure in s, error 10 ms", Ok(Some(1.0))),
             ("seconds; 1/60 s accuracy", Ok(Some(1.0))),
             ("exposure [ms], dead time 2 s", Ok(Some(1e-3))),
@@ -396,7 +461,7 @@ mod tests {
             ("h:m:s start, exposure in min", Ok(Some(60.0))),
             ("Exposure in sec / 2 coadds", Ok(Some(1.0))),
             ("msec x 3 frames", Ok(Some(1e-3))),
-            ("sec / 1000", Err("a unit divided or multiplied by a number".to_owned())),
+            ("sec / 1000", Err(SCALED.to_owned())),
             ("Exposure time, D", Err("seconds or in the unit d".to_owned())),
             ("Exposure time, H.", Err("seconds or in the unit h".to_owned())),
             ("Total (exposure time, min)", Ok(Some(60.0))),
@@ -448,7 +513,7 @@ mod tests {
             ("in minutter", Ok(Some(60.0))),
             ("Exposure time in H band", Ok(None)),
             ("in tenths", Err("tenths of an unknown unit".to_owned())),
-            ("sec (x100)", Err("a unit divided or multiplied by a number".to_owned())),
+            ("sec (x100)", Err(SCALED.to_owned())),
             ("secondary mirror", Ok(None)),
             ("exposure (?s)", Err("a unit that is not ASCII".to_owned())),
         ] {

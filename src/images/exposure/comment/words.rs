@@ -26,6 +26,7 @@ pub(super) const PARTS: &[(Role, &str)] = &[
          completion completed terminated fin fim ende eoe",
     ),
 ];
+/// Words of exposures, and of clocks and dates.
 pub(super) const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exposicao esposizione exptime pose posa \
      belichtung belichtungs aufnahme integration integrations int observation observations observing obs frame frames image images \
      img shutter scan capture stack interval visit coadd coadds dce";
@@ -66,8 +67,8 @@ const OTHER_MEANINGS: &[&str] = &[
     "not the local",
 ];
 
-/// Words of a part that are written together with a word of the exposure or a clock, as in "tmid" and "expend", and words
-/// that only seem to be such a pair.
+/// Words of a part that are written together with a word of the exposure or a clock, as in "tmid" and "expend", and
+/// words that only seem to be such a pair.
 const JOINED_PARTS: &str = "start begin beginn beg mid middle mitte end ende stop";
 const NO_PAIRS: &str = "intend endpoint";
 
@@ -76,8 +77,8 @@ pub(super) fn lists(list: &str, word: &str) -> bool {
     list.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word))
 }
 
-/// Splits words such as "UTstart" and "expend" into a word of a part and one of the exposure or a clock, and other words,
-/// such as "EndOfExposure", at their capitals.
+/// Splits words such as "UTstart" and "expend" into a word of a part and one of the exposure or a clock, and other
+/// words, such as "EndOfExposure", at their capitals.
 fn parts_of_word(word: &str) -> Vec<&str> {
     let is_other = |word: &str| lists(EXPOSURE, word) || lists(CLOCK, word);
     let pair = JOINED_PARTS.split_ascii_whitespace().filter(|part| part.len() < word.len()).find_map(|part| {
