@@ -345,7 +345,8 @@ fn frames_of_another_site_or_century_are_named() {
     let satellites = &["--shells", "starlink-gen1"][..];
     let apart = |km: &str| format!(": the site in the header is {km} km from that of ");
     let none = ": the site in the header is missing; allowed: one run for each site, or --site or".to_owned();
-    let years = ": 1930-08-14T23:29:00 UTC is outside the years of the ephemeris".to_owned();
+    // The start is that of MJD-OBS.
+    let years = ": 1930-08-14T23:28:59.999998023 UTC is outside the years of the ephemeris".to_owned();
     for (frames, failed, words) in [
         ([&chile, &hawaii], &hawaii, apart("9433")),
         ([&hawaii, &chile], &chile, apart("9433")),
@@ -358,7 +359,8 @@ fn frames_of_another_site_or_century_are_named() {
         let (code, _, stderr) = run(&[&["measure", frames[0], frames[1]], &flags, satellites]);
         let begin = format!("warning: {failed}{words}");
         let line = stderr.lines().find(|line| line.starts_with(&begin) && line.ends_with("; the frame is left out"));
-        assert!(code == 0 && line.is_some(), "{begin}: {stderr}");
+        // 1: no track is in a frame of the same field from the other site.
+        assert!(code < 2 && line.is_some(), "{begin}: {stderr}");
         assert!(!fs::read_to_string(&output).unwrap().contains(&format!("\"image\":\"{failed}")), "{frames:?}");
         let flags = ["--seeing", "90arcsec", "--polygons", &polygons];
         let (code, _, stderr) = run(&[&["mask", frames[0], frames[1]], &flags, satellites]);
