@@ -1,11 +1,15 @@
-//! Errors of the light of a streak other than the noise of the sky: the size of the satellite, and photons.
+//! Errors of the light of a streak other than the noise of the sky: the size of the satellite, an unknown seeing, and
+//! photons.
 
 use super::band::Band;
 use super::fit::{Blocks, combined, fit_blocks};
 use super::measurement::{MeasureOptions, PredictedStreak};
-use super::streak::{Measuring, Shift};
+use super::streak::{Measuring, Shift, profile_of};
 use crate::error::Error;
-use crate::streaks::Optics;
+use crate::streaks::{Optics, RadialProfile};
+
+/// Factor (one sigma) between the seeing and the assumed one, if it is neither given nor fitted.
+const UNKNOWN_SEEING: f64 = 2.0;
 
 impl Measuring<'_> {
     /// Returns the error (one sigma) of the amplitude that the error of the satellite's size causes: half of the
@@ -40,17 +44,46 @@ impl Measuring<'_> {
                     other = next;
                 }
             }
-            self.profile = other;
-            if let Some(drawn) = self.drawn(band, shift)? {
-                let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
-                amplitudes.extend(combined(&fits).map(|amplitude| amplitude.value));
-            }
+            amplitudes.extend(self.amplitude_with(other, band, mask, blocks, shift)?);
         }
         self.profile = given;
-        Ok(match amplitudes[..] {
-            [smaller, larger] => 0.5 * (larger - smaller).abs(),
-            _ => 0.0,
-        })
+        Ok(half_difference(&amplitudes))
+    }
+
+    /// Returns the error (one sigma) of the amplitude of a streak whose seeing is neither given nor fitted: half of the
+    /// difference of the amplitudes with twice and half of the assumed seeing.
+    pub(super) fn unknown_seeing_sigma(
+        &mut self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        shift: &Shift,
+    ) -> Result<f64, Error> {
+        let (given, optics) = (self.profile.clone(), self.optics);
+        let mut amplitudes = Vec::new();
+        for factor in [1.0 / UNKNOWN_SEEING, UNKNOWN_SEEING] {
+            let other = Optics { seeing_arcsec: factor * optics.seeing_arcsec, ..optics };
+            // A seeing that cannot be drawn is left out.
+            let Ok(profile) = profile_of(self.image, self.predicted, &other) else { continue };
+            amplitudes.extend(self.amplitude_with(profile, band, mask, blocks, shift)?);
+        }
+        self.profile = given;
+        Ok(half_difference(&amplitudes))
+    }
+
+    /// Returns the amplitude with another profile, which stays set; `None` if nothing can be fitted.
+    fn amplitude_with(
+        &mut self,
+        profile: RadialProfile,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        shift: &Shift,
+    ) -> Result<Option<f64>, Error> {
+        self.profile = profile;
+        let Some(drawn) = self.drawn(band, shift)? else { return Ok(None) };
+        let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
+        Ok(combined(&fits).map(|amplitude| amplitude.value))
     }
 
     /// Returns the variance of the amplitude due to the photons of the streak: Σ w² m² A m / g / (Σ w m²)² with the
@@ -75,5 +108,13 @@ impl Measuring<'_> {
             }
         }
         Some(if squares > 0.0 { amplitude.max(0.0) * cubes / (gain * squares * squares) } else { 0.0 })
+    }
+}
+
+/// Returns half of the difference of two amplitudes, and 0 if one is missing.
+fn half_difference(amplitudes: &[f64]) -> f64 {
+    match amplitudes {
+        [first, other] => 0.5 * (other - first).abs(),
+        _ => 0.0,
     }
 }

@@ -400,9 +400,14 @@ impl Measuring<'_> {
         let offset_sigma = offset_sigma(&band, &stars.mask, &drawn.template, &blocks, &amplitude) * noise_ratio;
         let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
         let size_sigma = if is_detected { self.size_sigma(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
+        let seeing_sigma = if options.fit_width && given_width {
+            self.unknown_seeing_sigma(&band, &stars.mask, &blocks, &shift)?
+        } else {
+            0.0
+        };
         let along = if self.is_given() { fitted_ends.len() } else { ends.min(1) };
         let rate = amplitude.value * without_fit_bias(signal_to_noise, along);
-        let sigma = sigma.hypot(size_sigma).hypot(form_sigma);
+        let sigma = sigma.hypot(size_sigma).hypot(form_sigma).hypot(seeing_sigma);
         // The light of fitted ends is that of the time between the given ends.
         let (path, longer) = self.within_given_times(&drawn.path)?;
         let inside = self.inside(&path);

@@ -182,12 +182,13 @@ def test_streaks_outside_of_the_frame_have_rows(frame):
     measured = streakcast.measure_streaks(frame[0], rows)
     assert [list(flags) for flags in measured.table["flags"]] == [["outside"], ["no_ends"]]
     assert np.isnan(measured.table["flux"]).all() and len(measured.learn_arguments["norad_id"]) == 0
+    # A frame without streaks.
+    assert len(streakcast.measure_streaks(frame[0], []).table["flux"]) == 0
     for streaks, words in (
         ([1, 2], "allowed: a path, an astropy Table"),
         ({"x": [1], "y": [1, 2]}, "of one length"),
         ([{"x1_pix": 1}], "streaks"),
         ({}, "^streaks have no columns; allowed"),
-        ([], "^streaks have no columns; allowed"),
         (QTable(), "^streaks have no columns; allowed"),
         ({"x1_pix": 1.0}, "^column x1_pix of streaks is float; allowed: a list or an array"),
         ({"id": "one"}, "^column id of streaks is str; allowed"),

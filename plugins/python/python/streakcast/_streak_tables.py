@@ -18,6 +18,10 @@ from ._setup import absolute
 from .typing import PathLike, StreaksLike
 
 
+#: Columns of an empty list.
+ENDS = ("x1_pix", "y1_pix", "x2_pix", "y2_pix")
+
+
 @dataclass(frozen=True)
 class StreakFiles:
     """Files with tables of streaks."""
@@ -78,6 +82,9 @@ def _write(streaks: object, path: str) -> None:
         return
     rows = _rows(streaks)
     names = list(streaks if isinstance(streaks, Mapping) else dict.fromkeys(name for row in rows for name in row))
+    if isinstance(streaks, (list, tuple)) and not streaks:
+        # A frame without streaks.
+        names = list(ENDS)
     _check_columns(names)
     with open(path, "w", newline="", encoding="utf-8") as file:
         # Quotation marks keep names that begin with #, which would be comments.
