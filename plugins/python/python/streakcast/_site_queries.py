@@ -415,7 +415,9 @@ class SiteQueries(ModelState):
         """Returns the candidates of the streaks of tables, and issues the warnings."""
         warn_of_frames(shown(message) for message in found["row_warnings"])
         self._warn_once([shown(message) for message in found["warnings"]])
-        values = {column["name"]: column["values"] for column in found["streak"] if column["kind"] in ("integer", "real")}
+        values = {
+            column["name"]: column["values"] for column in found["streak"] if column["kind"] == "integer" or column["kind"] == "real"
+        }
         return Identification(
             table_of(files.named(found["candidates"]), output, main=CANDIDATES_OF_TABLE),
             table_of(files.named(found["streak"]), output, main=STREAKS_OF_TABLE),
