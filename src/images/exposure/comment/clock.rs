@@ -119,10 +119,15 @@ impl Comment {
             let word = before.rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
             let rest = lower[at + 1..].trim_start();
             let (hours, unit) = rest.split_at(number_end(rest));
+            // "UTC-0730"
+            let basic = Some(hours).filter(|hours| hours.len() == 4).and_then(|hours| hours.parse::<u32>().ok());
             let minutes = unit.strip_prefix(':').map(|minutes| &minutes[..number_end(minutes)]);
             let is_clock = minutes.is_some_and(|minutes| minutes.len() == 2);
-            let hours =
-                hours.parse::<f64>().unwrap_or(0.0) + minutes.and_then(|text| text.parse().ok()).unwrap_or(0.0) / 60.0;
+            let minutes = minutes.and_then(|text| text.parse::<f64>().ok()).unwrap_or(0.0);
+            let hours = match basic {
+                Some(basic) => f64::from(basic / 100) + f64::from(basic % 100) / 60.0,
+                None => hours.parse::<f64>().unwrap_or(0.0) + minutes / 60.0,
+            };
             let unit = unit.trim_start().split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
             let is_offset = (1.0..=14.0).contains(&hours) && (4.0 * hours).fract() == 0.0;
             let is_sign = !lower[..at].ends_with(|c: char| c == '/' || c.is_ascii_digit());
