@@ -2,8 +2,7 @@
 
 use hifitime::TimeScale;
 
-use super::doubt::HOUR_S;
-use super::quantity::{number_end, quantities};
+use super::quantity::{HOUR_S, number_end, quantities};
 use super::words::{Comment, lists};
 
 /// Words of local times.

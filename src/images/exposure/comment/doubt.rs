@@ -2,7 +2,7 @@
 
 use super::clock::{OTHER_SCALES, UNIVERSAL};
 use super::part::FILLERS;
-use super::quantity::quantities;
+use super::quantity::{HOUR_S, quantities};
 use super::seconds::seconds_in;
 use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
@@ -22,8 +22,6 @@ const SHIFTS: &str =
 /// Largest shift, uncertainty, or difference of starts and lengths that is not stated, seconds: satellites of low
 /// orbits move by 0.1 deg in it.
 pub const AGREED_S: f64 = 0.1;
-/// An hour, seconds: the unit of zones.
-pub(super) const HOUR_S: f64 = 3600.0;
 /// Beginnings of statements of the uncertainty of a time.
 const UNCERTAINTIES: &[&str] =
     &["+/-", "+-", "~", "accura", "uncertain", "error", "within", "tolerance", "precision", "off by"];

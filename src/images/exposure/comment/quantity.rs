@@ -16,6 +16,8 @@ const LIMIT_SIGNS: &[&str] =
     &["+/-", "+-", "<", ">", "than", "within", "accurate to", "precise to", "rounded to", "good to"];
 /// Largest difference between a duration in a comment and the value, a fraction of the duration.
 const QUANTITY_SLACK: f64 = 0.01;
+/// An hour, seconds: the unit of zones.
+pub(super) const HOUR_S: f64 = 3600.0;
 
 impl Comment {
     /// Returns the number of seconds in the unit of a value beside durations: `10 ms` as in "units of 10 ms", `1/1000
