@@ -174,7 +174,7 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         fs::read_to_string(at("mmt.csv")).expect("a table").lines().take(6).map(|line| format!("{line}\n")).collect();
     fs::write(at("few.csv"), few).expect("a file");
     for (arguments, parts) in [
-        (format!("{FIT} -o nowhere/m.json"), vec!["nowhere"]),
+        (format!("{FIT} -o mmt.csv/m.json"), vec!["cannot write mmt.csv/m.json"]),
         (format!("{FIT} -o m.json --report r.txt"), vec!["r.txt", ".md or .html"]),
         (format!("{FIT} -o m.json --free c1,c9"), vec!["c9", "n_base"]),
         (format!("{FIT} -o m.json --hold c1=2"), vec!["hold c1 is 2", "0 to 1"]),
@@ -201,7 +201,7 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         (format!("{FIT} -o m.json --report ./m.json"), vec!["m.json is also another output"]),
         (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains ./m.json"), vec!["is also another output"]),
         (format!("{FIT} -o mmt.csv"), vec!["mmt.csv is also an input"]),
-        (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains nowhere/c.ecsv"), vec!["nowhere"]),
+        (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains mmt.csv/c.ecsv"), vec!["cannot write mmt.csv/c.ecsv"]),
         (format!("{FIT} -o m.json --nside 8"), vec!["--nside", "--raw-points"]),
         (format!("{FIT} -o m.json --seed 3"), vec!["--mcmc"]),
         (format!("{FIT} -o m.json --identified mmt.csv"), vec!["--elements"]),

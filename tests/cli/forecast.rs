@@ -388,7 +388,9 @@ fn messages_use_the_singular_for_one() {
 #[test]
 fn invalid_input_gives_one_line_with_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
-    let elsewhere = path(&folder, "nowhere/x.csv");
+    // A file in place of a folder.
+    let elsewhere = path(&folder, "file/x.csv");
+    fs::write(path(&folder, "file"), "").unwrap();
     for (arguments, parts) in [
         (&["--night", "8/14/2024"][..], &["'8/14/2024' for '--night <DATE>'", "tonight", "2024-08-14"][..]),
         (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
@@ -429,7 +431,7 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
         (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),
         (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable", ", ics, tdm, score"]),
-        (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
+        (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "file/x.csv"]),
         (
             &["--night", "2024-08-14", "--light-curves", "lc.foo"],
             &["the extension of lc.foo is not a format", ".ecsv, .json"],
