@@ -154,7 +154,9 @@ impl Views<'_> {
         };
         let ra_deg = in_range("ra", ra_deg, -180.0, 360.0, "deg")?;
         let dec_deg = in_range("dec", dec_deg, -90.0, 90.0, "deg")?;
-        if !is_span && !(duration_s > 0.0 && duration_s <= LONGEST_S) {
+        // False for NaN.
+        let is_allowed = duration_s > 0.0 && duration_s <= LONGEST_S;
+        if !(is_span || is_allowed) {
             return Err(format!("{} is {duration_s} s; allowed: above 0 s, at most {LONGEST_S} s", name("exposure")));
         }
         Ok(Exposure {
