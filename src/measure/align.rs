@@ -53,6 +53,7 @@ impl Measuring<'_> {
             let rows: Vec<Option<f64>> = (0..height).map(row).collect();
             let known: Vec<f64> = rows.iter().flatten().copied().collect();
             let (sky, noise) = median_and_sigma(&known);
+            let noise = noise.max(self.median_noise(columns.len()));
             let value = |offset: usize| rows[offset].map_or(f64::NEG_INFINITY, |value| value - sky);
             let index = columns.iter().sum::<usize>() as f64 / columns.len() as f64 - middle;
             let track = found.minor_pix + found.slope * index - half as f64;

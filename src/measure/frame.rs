@@ -186,6 +186,7 @@ pub fn measure_predictions(
             pixel_aspect: chip.pixel_aspect(),
         };
         let (mut optics, mut measure) = (options.optics, options.measure);
+        measure.is_seeing_known = options.is_seeing_known;
         measure.fit_width |= !options.is_seeing_known;
         let is_calibrated = !matches!(options.zero_points, ZeroPoints::Missing);
         let is_clipped = levels.is_some_and(|levels| levels.empty.is_some());
@@ -202,6 +203,7 @@ pub fn measure_predictions(
             if let Some(seeing_arcsec) = from_stars.seeing_arcsec.filter(|_| !options.is_seeing_known) {
                 optics.seeing_arcsec = seeing_arcsec;
                 measure.fit_width = options.measure.fit_width;
+                measure.is_seeing_known = true;
             }
             done.star_zero_points.push((chip.hdu, from_stars));
         }

@@ -1,4 +1,4 @@
-//! Errors of the light of a streak other than the noise of the sky: the size of the satellite, an unknown seeing, and
+//! Errors of the light of a streak other than the noise of the sky: the size of the satellite, an unknown width, and
 //! photons.
 
 use super::band::Band;
@@ -10,13 +10,16 @@ use crate::streaks::{Optics, RadialProfile};
 
 /// Factor (one sigma) between the seeing and the assumed one, if it is neither given nor fitted.
 const UNKNOWN_SEEING: f64 = 2.0;
+/// Distance, km, and radius, m, of a satellite in low orbit: without a distance, the width of a streak whose seeing is known
+/// differs from the assumed one by as much as that of such a satellite.
+const NEAR_KM: f64 = 550.0;
+const NEAR_RADIUS_M: f64 = 1.0;
 
 impl Measuring<'_> {
-    /// Returns the error (one sigma) of the amplitude that the error of the satellite's size causes: half of the
-    /// difference of the amplitudes with the size one sigma larger and one sigma smaller. If the width is fitted, it
-    /// stays the same: a smaller size is compensated by a wider seeing.
-    pub(super) fn size_sigma(
-        &mut self,
+    /// Returns the error (one sigma) of the logarithm of the light that the error of the satellite's size causes. If the
+    /// width is fitted, it stays the same: a smaller size is compensated by a wider seeing.
+    pub(super) fn size_sigma_ln(
+        &self,
         band: &Band,
         mask: &[bool],
         blocks: &Blocks,
@@ -27,9 +30,9 @@ impl Measuring<'_> {
         if radius_sigma_m <= 0.0 {
             return Ok(0.0);
         }
-        let (given, width_pix) = (self.profile.clone(), self.profile.fwhm_pix());
+        let width_pix = self.profile.fwhm_pix();
         let (scale_arcsec, aspect) = (self.image.pixel_scale_arcsec, self.image.pixel_aspect);
-        let mut amplitudes = Vec::new();
+        let mut profiles = Vec::new();
         for radius_m in [(radius_m - radius_sigma_m).max(0.0), radius_m + radius_sigma_m] {
             let mut optics = self.optics;
             let profile = |optics: &Optics| optics.profile(range_km, radius_m, scale_arcsec, aspect);
@@ -44,46 +47,59 @@ impl Measuring<'_> {
                     other = next;
                 }
             }
-            amplitudes.extend(self.amplitude_with(other, band, mask, blocks, shift)?);
+            profiles.push(other);
         }
-        self.profile = given;
-        Ok(half_difference(&amplitudes))
+        Ok(mean_size(&self.ln_light(&profiles, band, mask, blocks, shift)?))
     }
 
-    /// Returns the error (one sigma) of the amplitude of a streak whose seeing is neither given nor fitted: half of the
-    /// difference of the amplitudes with twice and half of the assumed seeing.
-    pub(super) fn unknown_seeing_sigma(
-        &mut self,
+    /// Returns, for a streak whose width is unknown and not fitted, the error (one sigma) of the logarithm of its light, and
+    /// the factor by which it may be brighter. If the seeing is unknown, the streak may be twice or half as wide; if only
+    /// the distance is, as wide as that of a near satellite.
+    pub(super) fn unknown_width_sigma_ln(
+        &self,
         band: &Band,
         mask: &[bool],
         blocks: &Blocks,
         shift: &Shift,
-    ) -> Result<f64, Error> {
-        let (given, optics) = (self.profile.clone(), self.optics);
-        let mut amplitudes = Vec::new();
-        for factor in [1.0 / UNKNOWN_SEEING, UNKNOWN_SEEING] {
-            let other = Optics { seeing_arcsec: factor * optics.seeing_arcsec, ..optics };
+        options: &MeasureOptions,
+    ) -> Result<(f64, f64), Error> {
+        let profiles: Vec<RadialProfile> = if options.is_seeing_known {
+            let (scale_arcsec, aspect) = (self.image.pixel_scale_arcsec, self.image.pixel_aspect);
+            self.optics.profile(NEAR_KM, NEAR_RADIUS_M, scale_arcsec, aspect).into_iter().collect()
+        } else {
+            let with = |factor: f64| Optics { seeing_arcsec: factor * self.optics.seeing_arcsec, ..self.optics };
             // A seeing that cannot be drawn is left out.
-            let Ok(profile) = profile_of(self.image, self.predicted, &other) else { continue };
-            amplitudes.extend(self.amplitude_with(profile, band, mask, blocks, shift)?);
-        }
-        self.profile = given;
-        Ok(half_difference(&amplitudes))
+            let factors = [1.0 / UNKNOWN_SEEING, UNKNOWN_SEEING].into_iter();
+            factors.filter_map(|factor| profile_of(self.image, self.predicted, &with(factor)).ok()).collect()
+        };
+        let ln_light = self.ln_light(&profiles, band, mask, blocks, shift)?;
+        Ok((mean_size(&ln_light), ln_light.into_iter().fold(0.0, f64::max).exp()))
     }
 
-    /// Returns the amplitude with another profile, which stays set; `None` if nothing can be fitted.
-    fn amplitude_with(
-        &mut self,
-        profile: RadialProfile,
+    /// Returns the logarithm of the light of streaks with other profiles relative to the light that is measured with the
+    /// assumed profile: -ln ρ with the amplitude ρ of the assumed streak in the light of the other one.
+    fn ln_light(
+        &self,
+        profiles: &[RadialProfile],
         band: &Band,
         mask: &[bool],
         blocks: &Blocks,
         shift: &Shift,
-    ) -> Result<Option<f64>, Error> {
-        self.profile = profile;
-        let Some(drawn) = self.drawn(band, shift)? else { return Ok(None) };
-        let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
-        Ok(combined(&fits).map(|amplitude| amplitude.value))
+    ) -> Result<Vec<f64>, Error> {
+        let Some(assumed) = self.drawn(band, shift)? else { return Ok(Vec::new()) };
+        let mut all = Vec::new();
+        for profile in profiles {
+            let Some(mut light) = self.drawn_with(profile, band, shift)?.map(|drawn| drawn.template) else { continue };
+            // Pixels without a value in the frame have no light.
+            light
+                .iter_mut()
+                .zip(&band.values)
+                .filter(|(_, value)| value.is_nan())
+                .for_each(|(light, _)| *light = f32::NAN);
+            let measured = combined(&fit_blocks(band, &light, mask, &assumed.template, 0, blocks));
+            all.extend(measured.filter(|measured| measured.value > 0.0).map(|measured| -measured.value.ln()));
+        }
+        Ok(all)
     }
 
     /// Returns the variance of the amplitude due to the photons of the streak: Σ w² m² A m / g / (Σ w m²)² with the
@@ -111,10 +127,7 @@ impl Measuring<'_> {
     }
 }
 
-/// Returns half of the difference of two amplitudes, and 0 if one is missing.
-fn half_difference(amplitudes: &[f64]) -> f64 {
-    match amplitudes {
-        [first, other] => 0.5 * (other - first).abs(),
-        _ => 0.0,
-    }
+/// Returns the mean of the absolute values, and 0 without values.
+fn mean_size(values: &[f64]) -> f64 {
+    values.iter().map(|value| value.abs()).sum::<f64>() / (values.len() as f64).max(1.0)
 }

@@ -62,10 +62,12 @@ pub struct MeasureOptions {
     pub most_corridor_pix: f64,
     /// Probability of a false detection in one corridor.
     pub false_alarm: f64,
-    /// Upper limits are this number of sigmas above the largest signal in the corridor.
+    /// Upper limits are this number of sigmas above the signal at the most probable position in the corridor.
     pub limit_sigmas: f64,
     /// If true, the width is a parameter of the flux fit; otherwise it is the given seeing.
     pub fit_width: bool,
+    /// If false, the given seeing is only a guess, and a width that cannot be fitted is unknown.
+    pub is_seeing_known: bool,
     /// Mean distance to the nearest other streak beside this one in a table, pixels. The corridor reaches half-way to it.
     pub neighbour_pix: Option<f64>,
 }
@@ -78,6 +80,7 @@ impl Default for MeasureOptions {
             false_alarm: 0.01,
             limit_sigmas: 3.0,
             fit_width: false,
+            is_seeing_known: true,
             neighbour_pix: None,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::background::median_and_sigma;
+use super::background::{SIGMA_OF_MAD, median_and_sigma};
 use super::corridor::Corridor;
 use super::measurement::StreakImage;
 use crate::streaks::RadialProfile;
@@ -27,6 +27,11 @@ const LEAST_OFFSETS: usize = 20;
 /// Smallest number of pixels along the track.
 const LEAST_PIXELS: f32 = 12.0;
 
+/// The light of a block is clipped to this number of sigmas, so that a star, which lights one or two blocks, contributes
+/// little. A streak whose blocks are all clipped keeps at least the significance `CLIPPED_SIGNIFICANCE`.
+const BLOCK_SIGMAS: f64 = 2.0;
+const CLIPPED_SIGNIFICANCE: f64 = 8.0;
+
 /// Number of positions along the track whose pixels are read together.
 const STRIP: usize = 64;
 
@@ -41,6 +46,9 @@ pub struct Extent {
     pub late_s: f64,
     /// Half of the distance to a neighbouring streak, pixels.
     pub to_neighbour_pix: f64,
+    /// Errors (one sigma) of the prediction: of the distance from the predicted track, pixels; of the angle, radians; of
+    /// the time, seconds. Infinite if unknown.
+    pub sigmas: [f64; 3],
 }
 
 impl Extent {
@@ -78,8 +86,8 @@ pub struct Search {
 struct Sums {
     blocks: usize,
     offsets: usize,
-    /// Light summed over all blocks before a block, for each offset, and the same sums of the numbers of pixels. The
-    /// last sums are those over all blocks.
+    /// Light of each block, from index 1 on, for each offset, and the numbers of pixels. After `cumulated`: of all blocks
+    /// before a block, and last of all blocks.
     light: Vec<f32>,
     pixels: Vec<f32>,
     /// Index of the middle of each block on the major axis, relative to the middle of the track.
@@ -103,12 +111,23 @@ pub fn search(
     let sums = Sums::new(image, corridor, half, width_minor, normalised);
     let filter = filter(profile, corridor, reach);
 
-    let windows = sums.windows(
-        &steps(extent.late_s, (STEP_WIDTHS * profile.fwhm_pix()).max(1.0) / corridor.speed_pix_s, MOST_DELAYS),
-        image.exposure_s,
-    );
+    let step_s = (STEP_WIDTHS * profile.fwhm_pix()).max(1.0) / corridor.speed_pix_s;
+    let windows = sums.windows(&steps(extent.late_s, step_s, MOST_DELAYS), image.exposure_s);
+    let exposed = windows.iter().map(|(_, [from, to])| to - from).max()?;
+    let sums = sums.clipped(BLOCK_SIGMAS.max(CLIPPED_SIGNIFICANCE / (exposed as f64).sqrt())).cumulated();
 
     let nominal = sums.significance(0.0, windows.iter().find(|(late_s, _)| *late_s == 0.0)?.1, &filter);
+    let nominal_noise = noise(&nominal, half, reach);
+    // The most probable position has the largest z² - Σ (x / σ)², with the significance z and the distances x from the
+    // prediction. σ contains the rounding to a step of the search, step / √12.
+    let steps = [1.0, STEP_WIDTHS * profile.fwhm_pix().max(1.0) / (0.5 * corridor.len() as f64), step_s];
+    let sigmas = [0, 1, 2].map(|axis| extent.sigmas[axis].hypot(steps[axis] / 12f64.sqrt()));
+    let cos = corridor.cos();
+    let score = |found: &Found| {
+        let z = found.significance / nominal_noise;
+        let distances = [found.minor_pix * cos, found.slope * cos * cos, found.late_s];
+        z * z.abs() - distances.iter().zip(sigmas).map(|(distance, sigma)| (distance / sigma).powi(2)).sum::<f64>()
+    };
     let mut found: Option<Search> = None;
     for slope in &slopes {
         for (late_s, window) in &windows {
@@ -120,7 +139,7 @@ pub fn search(
                 let minor_pix = index as f64 - half as f64;
                 let here = Found { minor_pix, slope: *slope, late_s: *late_s, significance: *z, threshold: 0.0 };
                 let Search { best, darkest } = found.get_or_insert(Search { best: here, darkest: here });
-                if *z > best.significance {
+                if score(&here) > score(best) {
                     *best = here;
                 }
                 if *z < darkest.significance {
@@ -159,7 +178,7 @@ pub fn least_usable_share(
         }
     };
     let half = limit + reach;
-    let sums = Sums::new(image, corridor, half, width_minor, is_usable);
+    let sums = Sums::new(image, corridor, half, width_minor, is_usable).cumulated();
     let light = profile_across(profile, corridor, reach);
     let Some((_, window)) = sums.windows(&[0.0], image.exposure_s).first().copied() else { return 1.0 };
     let mut least = 1.0;
@@ -296,11 +315,6 @@ impl Sums {
                 }
             }
         }
-        // Sums over the blocks before each block.
-        for at in offsets..light.len() {
-            light[at] += light[at - offsets];
-            pixels[at] += pixels[at - offsets];
-        }
         let middles: Vec<usize> = (0..blocks).map(|block| (2 * block + 1) * length / (2 * blocks)).collect();
         Self {
             blocks,
@@ -311,6 +325,31 @@ impl Sums {
             position: middles.iter().map(|middle| *middle as f64 - 0.5 * length as f64).collect(),
             time_s: middles.iter().map(|middle| corridor.time_s[*middle]).collect(),
         }
+    }
+
+    /// Clips the light of each block and offset to a number of robust sigmas.
+    fn clipped(mut self, sigmas: f64) -> Self {
+        let per_noise = self.light.iter().zip(&self.pixels).filter(|(_, pixels)| **pixels > 0.0);
+        let mut sizes: Vec<f32> = per_noise.map(|(light, pixels)| (light / pixels.sqrt()).abs()).collect();
+        if !sizes.is_empty() {
+            let middle = sizes.len() / 2;
+            let usual = *sizes.select_nth_unstable_by(middle, f32::total_cmp).1;
+            let most = (sigmas * SIGMA_OF_MAD) as f32 * usual;
+            for (light, pixels) in self.light.iter_mut().zip(&self.pixels) {
+                let most = most * pixels.sqrt();
+                *light = light.clamp(-most, most);
+            }
+        }
+        self
+    }
+
+    /// Sums over the blocks before each block.
+    fn cumulated(mut self) -> Self {
+        for at in self.offsets..self.light.len() {
+            self.light[at] += self.light[at - self.offsets];
+            self.pixels[at] += self.pixels[at - self.offsets];
+        }
+        self
     }
 
     /// Returns the blocks that are exposed at each delay, without repetition.

@@ -13,6 +13,8 @@ const MODEL_ERROR: f64 = 0.2;
 const MODEL_ERROR_OF_PEAK: f64 = 0.02;
 /// Pixels with at least this fraction of the greatest light of their column belong to the core of the streak.
 const CORE: f32 = 0.3;
+/// Light of a streak's middle from which its core is bright, sigmas of the noise.
+const CORE_SIGMAS: f64 = 2.0;
 /// Half length of the running median of the streak's light in widths of the streak, and its smallest value in pixels.
 const MEDIAN_WIDTHS: f64 = 4.0;
 const MEDIAN_PIX: usize = 15;
@@ -64,8 +66,8 @@ impl StarMask {
 ///    streak; stars are shorter than the part of the streak in which these are measured.
 /// 5. All pixels within one FWHM of a marked pixel are marked.
 ///
-/// With `keeps_core`, no pixel within 1.5 FWHM of the middle is marked, because the template is not yet aligned with
-/// the streak.
+/// With `keeps_core`, no pixel within 1.5 FWHM of the middle of a bright streak is marked, because the template is not yet
+/// aligned with the streak. The pixels of a faint streak are below the threshold.
 pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64, keeps_core: bool) -> StarMask {
     let height = band.height;
     let peak_of = |column: usize| template[column * height..][..height].iter().copied().fold(0.0, f32::max);
@@ -113,7 +115,8 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
     stars.mask = largest_near(band, &excess, reach).into_iter().map(|excess| excess > 0.0).collect();
     if keeps_core {
         let core = (1.5 * fwhm_pix / band.cos).ceil() as usize;
-        for column in stars.mask.chunks_exact_mut(height) {
+        let is_bright = |column: usize| f64::from(light[column] * peaks[column]) > CORE_SIGMAS * sigma;
+        for (_, column) in stars.mask.chunks_exact_mut(height).enumerate().filter(|(column, _)| is_bright(*column)) {
             column[(height / 2).saturating_sub(core)..=(height / 2 + core).min(height - 1)].fill(false);
         }
     }

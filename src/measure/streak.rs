@@ -45,8 +45,10 @@ const WINGS_WIDTHS: f64 = 3.0;
 const SEEN_SHARE: f64 = 0.1;
 /// Relative difference of measured and assumed width above which the width is flagged.
 const WIDTH_TOLERANCE: f64 = 0.2;
-/// Number of sigmas by which another width or form of the profile must fit better than the assumed one.
+/// Number of sigmas by which another width must fit better than the assumed one to be flagged, and another form to be part
+/// of the error.
 const SHAPE_SIGMAS: f64 = 3.0;
+const FORM_SIGMAS: f64 = 1.0;
 /// Accuracy of the fitted light of a bright streak, relative: narrow streaks that are drawn with exactly the assumed point
 /// spread function are off by up to this.
 const FIT_ACCURACY: f64 = 0.002;
@@ -132,19 +134,24 @@ impl Measuring<'_> {
         const ANGLE_ERROR_RAD: f64 = 1e-3;
         /// Largest difference in angle that is searched, for a predicted track and for a streak whose ends are given.
         const LARGEST_TILT_RAD: [f64; 2] = [0.05, 0.2];
-        let tilt_rad = if self.is_given() {
-            // The angle between two ends with independent errors.
-            let sigma_rad = 2f64.sqrt() * self.predicted.cross_sigma_pix / (self.corridor.len() as f64);
-            (ANGLE_ERROR_RAD + options.corridor_sigmas * sigma_rad).min(LARGEST_TILT_RAD[1])
+        let cross_sigma_pix = self.predicted.cross_sigma_pix;
+        let (tilt_rad, sigmas) = if self.is_given() {
+            // The middle and the angle of two ends with independent errors.
+            let sigma_rad = 2f64.sqrt() * cross_sigma_pix / (self.corridor.len() as f64);
+            let tilt_rad = (ANGLE_ERROR_RAD + options.corridor_sigmas * sigma_rad).min(LARGEST_TILT_RAD[1]);
+            (tilt_rad, [cross_sigma_pix / 2f64.sqrt(), sigma_rad.hypot(ANGLE_ERROR_RAD), f64::INFINITY])
         } else {
-            (ANGLE_ERROR_RAD + late_s * drift_rad_s).min(LARGEST_TILT_RAD[0])
+            let tilt_rad = (ANGLE_ERROR_RAD + late_s * drift_rad_s).min(LARGEST_TILT_RAD[0]);
+            let late_sigma_s = self.predicted.lateness_sigma_s.min(self.predicted.largest_delay_s);
+            let across_pix = cross_sigma_pix.hypot(late_sigma_s * (dx * nx + dy * ny));
+            (tilt_rad, [across_pix, f64::INFINITY, late_sigma_s])
         };
         let fwhm_pix = self.profile.fwhm_pix();
         // Two streaks nearer than their width are not resolved.
         let to_neighbour_pix =
             options.neighbour_pix.filter(|pix| *pix >= fwhm_pix).map_or(f64::INFINITY, |pix| 0.5 * pix);
         let across_pix = (across_pix + fwhm_pix).min(options.most_corridor_pix).min(to_neighbour_pix);
-        Extent { across_pix, tilt_rad, late_s, to_neighbour_pix }
+        Extent { across_pix, tilt_rad, late_s, to_neighbour_pix, sigmas }
     }
 
     /// Returns the path of a shifted streak while the shutter is open; `None` if it is too short.
@@ -188,8 +195,18 @@ impl Measuring<'_> {
 
     /// Draws the shifted streak in the pixels of a band; `None` if its path is too short.
     pub fn drawn(&self, band: &Band, shift: &Shift) -> Result<Option<Drawn>, Error> {
+        self.drawn_with(&self.profile, band, shift)
+    }
+
+    /// Same as `drawn` with another image of the satellite.
+    pub(super) fn drawn_with(
+        &self,
+        profile: &RadialProfile,
+        band: &Band,
+        shift: &Shift,
+    ) -> Result<Option<Drawn>, Error> {
         let Some(path) = self.path(shift)? else { return Ok(None) };
-        let patch = draw(&path, &self.profile, self.image.plane.rows(), self.image.plane.columns());
+        let patch = draw(&path, profile, self.image.plane.rows(), self.image.plane.columns());
         let template = band.template(&patch);
         Ok(Some(Drawn { path, template }))
     }
@@ -285,8 +302,8 @@ impl Measuring<'_> {
             }
             let before = shift;
             let moved = self.refined(&band, &stars.mask, &drawn.template, &blocks, &fits, &mut shift);
-            // A step towards the light of the neighbour is not made.
-            if shift.offset_pix.abs() > extent.to_neighbour_pix {
+            // A step out of the corridor, towards the light of a neighbour or a star, is not made.
+            if shift.offset_pix.abs() > extent.across_pix {
                 shift = before;
             }
             if iteration == 1 && ends > 0 && !self.is_given() {
@@ -352,7 +369,7 @@ impl Measuring<'_> {
 
         let given_width = seeing_arcsec.is_none();
         // Decrease of the sum of the squared residuals that noise causes with a small probability.
-        let noise = (SHAPE_SIGMAS * noise_ratio).powi(2) * amplitude.squares / amplitude.freedom;
+        let noise = |sigmas: f64| (sigmas * noise_ratio).powi(2) * amplitude.squares / amplitude.freedom;
         let mut form_sigma = 0.0;
         if is_detected && signal_to_noise > WIDTH_FROM {
             let optics = self.optics;
@@ -362,11 +379,12 @@ impl Measuring<'_> {
             };
             (self.optics, self.profile) = (optics, profile_of(self.image, self.predicted, &optics)?);
             let is_other = (measured_arcsec / optics.seeing_arcsec).ln().abs() > (1.0 + WIDTH_TOLERANCE).ln();
-            if given_width && is_other && decrease > noise {
+            if given_width && is_other && decrease > noise(SHAPE_SIGMAS) {
                 flags.push(Flag::Width);
             }
             seeing_arcsec = Some(measured_arcsec);
-            let form = self.form_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, measured_arcsec, noise)?;
+            let noise = noise(FORM_SIGMAS);
+            let form = self.form_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, measured_arcsec, noise);
             form_sigma = form.hypot(FIT_ACCURACY * amplitude.value);
         }
         if is_saturated {
@@ -399,15 +417,17 @@ impl Measuring<'_> {
         };
         let offset_sigma = offset_sigma(&band, &stars.mask, &drawn.template, &blocks, &amplitude) * noise_ratio;
         let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
-        let size_sigma = if is_detected { self.size_sigma(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
-        let seeing_sigma = if options.fit_width && given_width {
-            self.unknown_seeing_sigma(&band, &stars.mask, &blocks, &shift)?
+        let size_sigma_ln =
+            if is_detected { self.size_sigma_ln(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
+        let (width_sigma_ln, brighter) = if options.fit_width && given_width {
+            self.unknown_width_sigma_ln(&band, &stars.mask, &blocks, &shift, options)?
         } else {
-            0.0
+            (0.0, 1.0)
         };
         let along = if self.is_given() { fitted_ends.len() } else { ends.min(1) };
         let rate = amplitude.value * without_fit_bias(signal_to_noise, along);
-        let sigma = sigma.hypot(size_sigma).hypot(form_sigma).hypot(seeing_sigma);
+        let size_sigma = size_sigma_ln * amplitude.value.abs();
+        let sigma = sigma.hypot(size_sigma).hypot(form_sigma).hypot(width_sigma_ln * amplitude.value.abs());
         // The light of fitted ends is that of the time between the given ends.
         let (path, longer) = self.within_given_times(&drawn.path)?;
         let inside = self.inside(&path);
@@ -417,7 +437,7 @@ impl Measuring<'_> {
             rate: Estimate { value: rate, sigma },
             size_sigma,
             form_sigma,
-            rate_limit: rate.max(0.0) + options.limit_sigmas * sigma,
+            rate_limit: brighter * (rate.max(0.0) + options.limit_sigmas * sigma),
             signal_to_noise,
             significance: found.significance,
             threshold: found.threshold,
@@ -509,9 +529,20 @@ impl Measuring<'_> {
     /// of the sky.
     fn stated_noise(&self) -> Option<(f64, f64)> {
         let ratio = self.image.background.stated_ratio?;
+        Some((ratio * self.sky_noise()?, ratio))
+    }
+
+    /// Returns the scatter of a pixel of the sky along the track.
+    fn sky_noise(&self) -> Option<f64> {
         let along = self.corridor.pixels().filter_map(|[row, column]| self.image.background.noise(row, column));
         let scatter: Vec<f64> = along.collect();
-        (!scatter.is_empty()).then(|| (ratio * median(scatter), ratio))
+        (!scatter.is_empty()).then(|| median(scatter))
+    }
+
+    /// Returns the noise of the median of a number of pixels of the sky: σ √(π / 2n). The scatter of medians is no measure of it
+    /// in frames with whole numbers, where most medians may be equal.
+    pub(super) fn median_noise(&self, pixels: usize) -> f64 {
+        self.sky_noise().map_or(0.0, |sigma| sigma * (std::f64::consts::FRAC_PI_2 / pixels as f64).sqrt())
     }
 
     /// Returns true if more than the fraction `SATURATED_SHARE` of the streak's length has saturated pixels.

@@ -19,6 +19,8 @@ const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
 const PROFILE_WIDTHS: f64 = 16.0;
 const PROFILE_SIGNAL: f64 = 10.0;
 const MOST_WIDENING: f64 = 8.0;
+/// Smallest number of rows beside the streak whose scatter is a measure of the noise.
+const LEAST_SKY_ROWS: usize = 10;
 
 /// Forms that are compared with the assumed one: the wings of stars are between these.
 const FORMS: [SeeingForm; 3] =
@@ -52,11 +54,11 @@ impl Measuring<'_> {
         let sides = [0..half - 2 * half / 3, half + 2 * half / 3 + 1..band.height];
         let side = |offsets: std::ops::Range<usize>| {
             let values: Vec<f64> = rows[offsets].iter().flatten().copied().collect();
-            (!values.is_empty()).then(|| median_and_sigma(&values))
+            (values.len() >= LEAST_SKY_ROWS).then(|| median_and_sigma(&values))
         };
         let beside = sides.into_iter().filter_map(side).max_by(|a, b| a.0.total_cmp(&b.0));
         let (Some((peak, light)), Some((sky, noise))) = (peak, beside) else { return };
-        if light - sky < PROFILE_SIGNAL * noise {
+        if light - sky < PROFILE_SIGNAL * noise.max(self.median_noise(exposed.len())) {
             return;
         }
         // Distance from the peak to the half of its light, interpolated between two pixels.
@@ -124,7 +126,7 @@ impl Measuring<'_> {
     /// assumed form.
     #[expect(clippy::too_many_arguments, reason = "parts of one computation")]
     pub fn form_sigma(
-        &mut self,
+        &self,
         band: &Band,
         mask: &[bool],
         blocks: &Blocks,
@@ -132,11 +134,11 @@ impl Measuring<'_> {
         assumed: &Amplitude,
         measured_arcsec: f64,
         noise: f64,
-    ) -> Result<f64, Error> {
-        let (given, profile) = (self.optics, self.profile.clone());
-        let mut of = |optics: Optics| -> Option<Amplitude> {
-            self.profile = profile_of(self.image, self.predicted, &optics).ok()?;
-            let drawn = self.drawn(band, shift).ok()??;
+    ) -> f64 {
+        let given = self.optics;
+        let of = |optics: Optics| -> Option<Amplitude> {
+            let profile = profile_of(self.image, self.predicted, &optics).ok()?;
+            let drawn = self.drawn_with(&profile, band, shift).ok()??;
             combined(&fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks))
         };
         let forms = FORMS.into_iter().filter(|form| *form != given.form).chain([given.form]);
@@ -145,7 +147,7 @@ impl Measuring<'_> {
             .filter_map(|optics| Some((optics, of(optics)?)))
             .collect();
         // The best width depends on the form.
-        let mut with_best_width = |(optics, start): (Optics, Amplitude)| -> Amplitude {
+        let with_best_width = |(optics, start): (Optics, Amplitude)| -> Amplitude {
             let at = |ln_ratio: f64| Optics { seeing_arcsec: optics.seeing_arcsec * ln_ratio.exp(), ..optics };
             let ln_ratio = minimum(
                 |ln_ratio| of(at(ln_ratio)).map_or(f64::NAN, |amplitude| amplitude.squares),
@@ -164,29 +166,22 @@ impl Measuring<'_> {
             fitted.min_by(by_squares).filter(is_better)
         } else {
             forms.sort_by(|first, other| by_squares(&first.1, &other.1));
-            forms.first().copied().filter(|(_, amplitude)| is_better(amplitude)).map(&mut with_best_width)
+            forms.first().copied().filter(|(_, amplitude)| is_better(amplitude)).map(with_best_width)
         };
-        self.profile = profile;
-        Ok(best.map_or(0.0, |amplitude| (amplitude.value - assumed.value).abs()))
+        best.map_or(0.0, |amplitude| (amplitude.value - assumed.value).abs())
     }
 
     /// Returns the factor by which the variance of the flux is larger because the width is fitted, too:
     /// 1 / (1 - ρ²) with the correlation ρ of the template and its derivative by the width.
-    pub fn width_inflation(
-        &mut self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        shift: &Shift,
-    ) -> Result<f64, Error> {
+    pub fn width_inflation(&self, band: &Band, mask: &[bool], blocks: &Blocks, shift: &Shift) -> Result<f64, Error> {
         const STEP: f64 = 0.02;
         let given = self.optics;
-        let template = |this: &mut Self, ratio: f64| -> Result<Option<Vec<f32>>, Error> {
+        let template = |ratio: f64| -> Result<Option<Vec<f32>>, Error> {
             let optics = Optics { seeing_arcsec: given.seeing_arcsec * ratio, ..given };
-            this.profile = profile_of(this.image, this.predicted, &optics)?;
-            Ok(this.drawn(band, shift)?.map(|drawn| drawn.template))
+            let profile = profile_of(self.image, self.predicted, &optics)?;
+            Ok(self.drawn_with(&profile, band, shift)?.map(|drawn| drawn.template))
         };
-        let (wider, same) = (template(self, 1.0 + STEP)?, template(self, 1.0)?);
+        let (wider, same) = (template(1.0 + STEP)?, template(1.0)?);
         let (Some(wider), Some(same)) = (wider, same) else { return Ok(1.0) };
         let change: Vec<f32> = wider.iter().zip(&same).map(|(wider, same)| (wider - same) / STEP as f32).collect();
         // Pixels without a value in the frame have no value in the derivative.
