@@ -202,7 +202,7 @@ impl MeasureConfig {
             let sky = prepared.as_ref().map(|prepared| prepared.sky.watched(watch));
             let shown = frame.file.path().display();
             state_frame(frame, *is_calibrated || table.is_some(), &mut warnings);
-            warnings.extend(sky.as_ref().and_then(|sky| unknown_observer_warning(sky, frame)));
+            warnings.extend(sky.iter().flat_map(|sky| frame_warnings(sky, frame)));
             let photometry = photometry(&config, frame)?;
             let (optics, is_seeing_known) = self.optics(&config, frame)?;
             let filter = config.light.band.as_deref().or(frame.filter.as_deref());
@@ -369,10 +369,9 @@ impl MeasureConfig {
     }
 }
 
-/// Returns a warning if the position of a telescope in orbit is unknown for the satellites in a frame.
-pub(super) fn unknown_observer_warning(sky: &Sky, frame: &TargetFrame) -> Option<String> {
-    let (_, radius_rad) = frame.circle()?;
-    sky.unknown_observer_warning(&frame.file.path().display().to_string(), frame.opened, radius_rad)
+/// Returns warnings about the position of the telescope, the time and the site of a frame.
+pub(super) fn frame_warnings(sky: &Sky, frame: &TargetFrame) -> Vec<String> {
+    frame.exposure().map(|(exposure, radius_rad)| sky.frame_warnings(&exposure, radius_rad)).unwrap_or_default()
 }
 
 /// Adds the HDUs of a frame that are ignored, and its missing calibration, to the warnings.

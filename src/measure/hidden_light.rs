@@ -4,25 +4,43 @@
 use super::band::Band;
 use crate::images::LightArea;
 
+/// Share of the light of a column of which less counts as none.
+const NOTHING: f64 = 0.02;
+
 /// Returns the smallest share of a streak's light on pixels with a value, for streaks up to `reach` pixels beside the
-/// drawn one; pixels outside the illuminated area do not count.
-pub(super) fn least_usable_beside(band: &Band, template: &[f32], light_area: &LightArea, reach: isize) -> f64 {
+/// drawn one; pixels outside the illuminated area do not count. With `in_lit_columns`, nor do columns of the streak without
+/// any light on such pixels: a part of its length may be hidden.
+pub(super) fn least_usable_beside(
+    band: &Band,
+    template: &[f32],
+    light_area: &LightArea,
+    reach: isize,
+    in_lit_columns: bool,
+) -> f64 {
     let share = |shift: isize| {
         let (mut all, mut light, mut usable) = (0.0, 0.0, 0.0);
-        for (at, weight) in template.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
-            let (column, offset) = (at / band.height, (at % band.height) as isize + shift);
-            all += f64::from(*weight);
-            let Ok(offset) = usize::try_from(offset) else { continue };
-            if offset >= band.height || !light_area.contains(band.pixel(column, offset)) {
+        for (column, weights) in template.chunks_exact(band.height).enumerate() {
+            let (mut inside, mut seen) = (0.0, 0.0);
+            for (offset, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
+                all += f64::from(*weight);
+                let Ok(offset) = usize::try_from(offset as isize + shift) else { continue };
+                if offset >= band.height || !light_area.contains(band.pixel(column, offset)) {
+                    continue;
+                }
+                inside += f64::from(*weight);
+                if band.values[column * band.height + offset].is_finite() {
+                    seen += f64::from(*weight);
+                }
+            }
+            if in_lit_columns && seen < NOTHING * inside {
+                all -= inside;
                 continue;
             }
-            light += f64::from(*weight);
-            if band.values[column * band.height + offset].is_finite() {
-                usable += f64::from(*weight);
-            }
+            light += inside;
+            usable += seen;
         }
         // A streak whose middle is outside of the image cannot be seen, whether or not its wings are masked.
-        if 2.0 * light > all { usable / light } else { 1.0 }
+        if 2.0 * light > all && light > 0.0 { usable / light } else { 1.0 }
     };
     (-reach..=reach).map(share).fold(1.0, f64::min)
 }

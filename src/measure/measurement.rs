@@ -66,7 +66,8 @@ pub struct MeasureOptions {
     pub limit_sigmas: f64,
     /// If true, the width is a parameter of the flux fit; otherwise it is the given seeing.
     pub fit_width: bool,
-    /// If false, the given seeing is only a guess, and a width that cannot be fitted is unknown.
+    /// With `fit_width`: if false, the given seeing is only a guess, and the width of a streak too faint for the fit is unknown
+    /// within a factor of two; if true, only its distance and size are unknown.
     pub is_seeing_known: bool,
     /// Mean distance to the nearest other streak beside this one in a table, pixels. The corridor reaches half-way to it.
     pub neighbour_pix: Option<f64>,
@@ -80,7 +81,7 @@ impl Default for MeasureOptions {
             false_alarm: 0.01,
             limit_sigmas: 3.0,
             fit_width: false,
-            is_seeing_known: true,
+            is_seeing_known: false,
             neighbour_pix: None,
         }
     }

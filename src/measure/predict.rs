@@ -91,20 +91,11 @@ pub fn predictions(
     photometry: &PhotometryOptions,
     options: &PredictOptions,
 ) -> Result<(Vec<Prediction>, Vec<LeftOut>), Error> {
-    let (pointing, radius_rad) = frame.circle().ok_or_else(|| {
-        Error::invalid(
-            "position of the corners of the frame on the sky",
-            "undefined",
-            "world coordinates that cover the frame",
-        )
-        .in_file("", frame.file.path())
-    })?;
+    let (exposure, radius_rad) = frame.exposure()?;
     let exposure = Exposure {
-        id: String::new(),
-        start: seconds_after(frame.opened, -options.most_late_s),
-        duration_s: frame.exposure_s + 2.0 * options.most_late_s,
-        pointing,
-        rotation_rad: 0.0,
+        start: seconds_after(exposure.start, -options.most_late_s),
+        duration_s: exposure.duration_s + 2.0 * options.most_late_s,
+        ..exposure
     };
     // Positions along the orbit need not be known: streaks are searched for about the predictions.
     let of_known_age = sky;

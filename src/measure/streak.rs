@@ -43,6 +43,8 @@ const MASKED_SHARE: f64 = 0.5;
 /// be the wings of a hidden streak.
 const WINGS_WIDTHS: f64 = 3.0;
 const SEEN_SHARE: f64 = 0.1;
+/// Share of a streak's light that must be usable where a part of it is: from the wings alone its light is unknown.
+const CORE_SHARE: f64 = 0.5;
 /// Relative difference of measured and assumed width above which the width is flagged.
 const WIDTH_TOLERANCE: f64 = 0.2;
 /// Number of sigmas by which another width must fit better than the assumed one to be flagged, and another form to be part
@@ -360,13 +362,18 @@ impl Measuring<'_> {
         let is_spread = is_spread(&fits, &amplitude, sigma, found.threshold);
         let signal_to_noise = amplitude.value / sigma;
         let wings = (WINGS_WIDTHS * fwhm / cos).ceil() as isize;
-        let seen = || least_usable_beside(&band, &drawn.template, self.image.light_area, wings);
+        let seen = |reach, in_lit_columns| {
+            least_usable_beside(&band, &drawn.template, self.image.light_area, reach, in_lit_columns)
+        };
         let is_detected = found.significance >= found.threshold
             && signal_to_noise >= found.threshold
             && is_spread
             && !is_dark
-            && seen() >= SEEN_SHARE;
+            && seen(wings, false) >= SEEN_SHARE
+            && seen(0, true) >= CORE_SHARE;
 
+        let margin = (fwhm / cos).ceil() as usize;
+        let (edge, masked) = edge_and_hidden_shares(&band, &stars.mask, &drawn.template, self.image.light_area, margin);
         let given_width = seeing_arcsec.is_none();
         // Decrease of the sum of the squared residuals that noise causes with a small probability.
         let noise = |sigmas: f64| (sigmas * noise_ratio).powi(2) * amplitude.squares / amplitude.freedom;
@@ -393,8 +400,6 @@ impl Measuring<'_> {
         if options.neighbour_pix.is_some_and(|pix| pix < FIT_WIDTHS * self.profile.fwhm_pix()) {
             flags.push(Flag::Blended);
         }
-        let margin = (fwhm / cos).ceil() as usize;
-        let (edge, masked) = edge_and_hidden_shares(&band, &stars.mask, &drawn.template, self.image.light_area, margin);
         if edge > EDGE_SHARE {
             flags.push(Flag::Edge);
         }

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use hifitime::Epoch;
 use rayon::prelude::*;
 
+use super::exposure::Exposure;
 use super::field::Field;
 use super::predictability::{KnownLateness, Predictability, SatelliteLateness};
 use super::scene::{middle_of_window, window_number};
 use super::sky::Sky;
 use crate::error::Error;
+use crate::frames::seconds_after;
 use crate::orbit::Propagator;
 
 impl Sky {
@@ -29,6 +31,34 @@ impl Sky {
     pub(crate) fn unknown_observer_warning(&self, of: &str, epoch: Epoch, radius_rad: f64) -> Option<String> {
         let (reason, _) = self.viewpoint().orbit()?.reason_unknown(epoch, radius_rad)?;
         Some(format!("{of}: {reason}: most predictions are wrong; specify elements of the telescope of that time"))
+    }
+
+    /// Returns warnings about a frame of this exposure, whose name is `exposure.id`: an unknown position of a telescope in
+    /// orbit; a field below the horizon of the site, or the Sun above it, which show that the time or the site is wrong.
+    pub(crate) fn frame_warnings(&self, exposure: &Exposure, radius_rad: f64) -> Vec<String> {
+        let of_observer = self.unknown_observer_warning(&exposure.id, exposure.start, radius_rad);
+        of_observer.into_iter().chain(self.wrong_header_warning(exposure, radius_rad)).collect()
+    }
+
+    fn wrong_header_warning(&self, exposure: &Exposure, radius_rad: f64) -> Option<String> {
+        let site = self.viewpoint().site()?;
+        let middle = seconds_after(exposure.start, 0.5 * exposure.duration_s);
+        let (orientation, sun) = self.almanac_over(middle, seconds_after(middle, 1.0));
+        let altitude_rad =
+            self.viewpoint().pointing_altitude_rad(&exposure.pointing, middle, &orientation.at_s(0.0)).ok()?;
+        let sun_rad = site.sun_altitude_rad(&orientation, &sun, 0.0);
+        let what = if altitude_rad < -radius_rad {
+            format!("the field is {:.1} deg below the horizon", -altitude_rad.to_degrees())
+        } else if sun_rad > 0.0 {
+            format!("the Sun is {:.1} deg above the horizon", sun_rad.to_degrees())
+        } else {
+            return None;
+        };
+        Some(format!(
+            "{}: {what} of {} in the middle of the exposure: the time or the site of the frame is wrong; specify them",
+            exposure.id,
+            self.viewpoint().name()
+        ))
     }
 
     fn predictability_of_satellites(&self, epoch: Epoch) -> Arc<Predictability> {

@@ -13,6 +13,7 @@ use crate::images::{
     Calibration, CountBasis, ExposureTime, FrameFile, FrameImages, Header, HeaderSite, LightArea, PixelUnit, Wcs,
     site_from_headers,
 };
+use crate::passes::Exposure;
 
 /// Values that replace those of a frame's header.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -152,6 +153,25 @@ impl TargetFrame {
     /// them.
     pub fn circle(&self) -> Option<(Direction<Gcrs>, f64)> {
         circle_of(self.chips.iter().map(|target| &target.chip))
+    }
+
+    /// Returns the exposure of the frame, whose name is its path and whose pointing is the middle of all chips, and the
+    /// radius in radians of the circle that contains them.
+    ///
+    /// # Errors
+    /// The world coordinates do not cover the frame.
+    pub fn exposure(&self) -> Result<(Exposure, f64), Error> {
+        let (pointing, radius_rad) = self.circle().ok_or_else(|| {
+            Error::invalid(
+                "position of the corners of the frame on the sky",
+                "undefined",
+                "world coordinates that cover the frame",
+            )
+            .in_file("", self.file.path())
+        })?;
+        let id = self.file.path().display().to_string();
+        let exposure = Exposure { id, start: self.opened, duration_s: self.exposure_s, pointing, rotation_rad: 0.0 };
+        Ok((exposure, radius_rad))
     }
 }
 

@@ -48,16 +48,9 @@ pub fn sources(
     seed: u64,
     output: &Path,
 ) -> Result<(Vec<Source>, Vec<String>), Error> {
-    let (centre, radius_rad) = frame.circle().ok_or_else(|| {
-        Error::invalid(
-            "position of the corners of the frame on the sky",
-            "undefined",
-            "world coordinates that cover the frame",
-        )
-        .in_file("", frame.file.path())
-    })?;
+    let (exposure, radius_rad) = frame.exposure()?;
     if let Some(random) = &plan.random {
-        return Ok((random_sources(random, plan, frame, (centre, radius_rad), seed), Vec::new()));
+        return Ok((random_sources(random, plan, frame, (exposure.pointing, radius_rad), seed), Vec::new()));
     }
     if let Some(chosen) = &plan.chosen {
         let names = [file_name(frame.file.path()), file_name(output)];
@@ -67,13 +60,6 @@ pub fn sources(
         return Ok((sources, Vec::new()));
     }
     let Some(sky) = sky else { return Ok((Vec::new(), Vec::new())) };
-    let exposure = Exposure {
-        id: frame.file.path().display().to_string(),
-        start: frame.opened,
-        duration_s: frame.exposure_s,
-        pointing: centre,
-        rotation_rad: 0.0,
-    };
     let tracking = plan.tracking(frame.exposure_s);
     let light = SatelliteLight {
         photometry,
@@ -92,8 +78,9 @@ pub fn sources(
             listed(numbers.iter().map(String::as_str))
         )
     });
-    let of_observer = sky.sky.unknown_observer_warning(&shown, frame.opened, radius_rad);
-    Ok((found.sources, of_observer.into_iter().chain(left_out).collect()))
+    let exposure = Exposure { id: shown, ..exposure };
+    let of_frame = sky.sky.frame_warnings(&exposure, radius_rad);
+    Ok((found.sources, of_frame.into_iter().chain(left_out).collect()))
 }
 
 fn random_sources(

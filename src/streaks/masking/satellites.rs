@@ -158,16 +158,7 @@ pub fn mask_frame(
     measured: &[MeasuredStreak],
     options: &MaskOptions,
 ) -> Result<FrameMask, Error> {
-    let (pointing, radius_rad) = frame.circle().ok_or_else(|| {
-        Error::invalid(
-            "position of the corners of the frame on the sky",
-            "undefined",
-            "world coordinates that cover the frame",
-        )
-        .in_file("", frame.file.path())
-    })?;
-    let exposure =
-        Exposure { id: String::new(), start: frame.opened, duration_s: frame.exposure_s, pointing, rotation_rad: 0.0 };
+    let (exposure, radius_rad) = frame.exposure()?;
     let field = Field::circle(2.0 * (radius_rad + MARGIN_RAD))?;
     let query = PassOptions {
         min_probability: Some(options.min_probability),
