@@ -202,9 +202,11 @@ impl FrameImages {
         }
         frames.sort_by_key(|frame| frame.hdu);
         planes.sort_by_key(|(plane, _)| plane.hdu);
+        let of: Vec<Option<usize>> = planes.iter().map(|(plane, _)| plane.owner(&frames, &planes)).collect();
         found.companions = planes
             .into_iter()
-            .map(|(plane, kind)| CompanionPlane { hdu: plane.hdu, of: plane.owner(&frames), name: plane.name, kind })
+            .zip(of)
+            .map(|((plane, kind), of)| CompanionPlane { hdu: plane.hdu, name: plane.name, of, kind })
             .collect();
         found.frames = frames.iter().map(|frame| frame.hdu).collect();
         Ok(found)
@@ -221,10 +223,15 @@ impl FrameImages {
             [hdu] => format!("the frame is HDU {hdu}"),
             several => format!("the frames are HDU {}", numbers(several)),
         }];
-        let planes: Vec<String> =
-            self.companions.iter().map(|plane| format!("{}{}", plane.hdu, shown(&plane.name))).collect();
+        let shown_plane = |plane: &CompanionPlane| format!("{}{}", plane.hdu, shown(&plane.name));
+        let planes: Vec<String> = self.companions.iter().map(shown_plane).collect();
         if !planes.is_empty() {
             parts.push(format!("companion planes, no frames: HDU {}", planes.join(", ")));
+        }
+        let is_unpaired = |plane: &&CompanionPlane| plane.of.is_none() && plane.kind != PlaneKind::Other;
+        let unpaired: Vec<String> = self.companions.iter().filter(is_unpaired).map(shown_plane).collect();
+        if !unpaired.is_empty() && !self.frames.is_empty() {
+            parts.push(format!("frame unknown, not used: HDU {}", unpaired.join(", ")));
         }
         if !self.tables.is_empty() {
             parts.push(format!("distortion tables: HDU {}", numbers(&self.tables)));
@@ -377,20 +384,37 @@ impl Image {
         if is_decided { Role::Plane } else { Role::Unclear }
     }
 
-    /// Returns the HDU of the frame to which a plane belongs.
-    fn owner(&self, frames: &[Self]) -> Option<usize> {
+    /// Returns the HDU of the frame to which a plane belongs, one of `planes`.
+    fn owner(&self, frames: &[Self], planes: &[(Self, PlaneKind)]) -> Option<usize> {
         let same: Vec<&Self> = frames.iter().filter(|frame| frame.size == self.size).collect();
-        if let [frame] = same[..] {
-            return Some(frame.hdu);
-        }
-        let by_version = same.iter().find(|frame| frame.version.is_some() && frame.version == self.version);
-        let by_sky = || same.iter().find(|frame| self.has_sky() && self.has_pixels_of(frame));
-        let by_name = || same.iter().find(|frame| !frame.name.is_empty() && self.name.ends_with(&frame.name));
+        // A property decides if it is that of one frame.
+        let only = |is_frame: &dyn Fn(&Self) -> bool| {
+            let mut found = same.iter().filter(|frame| is_frame(frame));
+            found.next().filter(|_| found.next().is_none()).copied()
+        };
+        let by_sky = || only(&|frame| self.has_sky() && self.has_pixels_of(frame));
+        let by_version = || only(&|frame| frame.version.is_some() && frame.version == self.version);
+        let by_name = || only(&|frame| !frame.name.is_empty() && self.name.ends_with(&frame.name));
+        let by_number = || only(&|frame| number(&frame.name).is_some() && number(&frame.name) == number(&self.name));
+        // As many planes of this content as frames have their order.
+        let by_order = || {
+            let is_alike = |plane: &Self| plane.size == self.size && stem(&plane.name) == stem(&self.name);
+            let mut alike: Vec<&Self> = planes.iter().map(|(plane, _)| plane).filter(|plane| is_alike(plane)).collect();
+            alike.sort_by_key(|plane| (plane.version, plane.hdu));
+            let at = alike.iter().position(|plane| plane.hdu == self.hdu)?;
+            (alike.len() == same.len()).then(|| same[at])
+        };
         // Planes without version follow their frame if they are between the frames.
         let is_between = same.last().is_some_and(|last| self.hdu < last.hdu);
-        let by_order = || same.iter().rev().find(|frame| is_between && frame.hdu < self.hdu);
-        by_version.or_else(by_sky).or_else(by_name).or_else(by_order).map(|frame| frame.hdu)
+        let by_place = || same.iter().rev().find(|frame| is_between && frame.hdu < self.hdu).copied();
+        let found = only(&|_| true).or_else(by_sky).or_else(by_name).or_else(by_number).or_else(by_version);
+        found.or_else(by_order).or_else(by_place).map(|frame| frame.hdu)
     }
+}
+
+/// Returns the number at the end of a name: 2 of `CCD_2`.
+fn number(name: &str) -> Option<u32> {
+    name[name.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
 }
 
 /// Returns the name without digits and separators at its end: `SCI` of `SCI_2`.
