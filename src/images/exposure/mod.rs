@@ -17,4 +17,5 @@ mod stacks;
 
 pub use calibration::{Calibration, CountBasis, PixelUnit};
 pub use exposure_time::ExposureTime;
-pub use observatory::{HeaderSite, SITE_KEYWORDS, site_from_headers};
+
+pub use observatory::{HeaderSite, SITE_KEYWORDS, UNNAMED_SITE, site_from_headers};

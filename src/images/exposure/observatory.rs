@@ -77,6 +77,9 @@ pub struct HeaderSite {
     pub remark: Option<String>,
 }
 
+/// Name of a site whose header has only its position.
+pub const UNNAMED_SITE: &str = "site of the header";
+
 /// Returns the site in the headers of a frame; `None` if they have no site. The headers are given in the order of
 /// precedence: first the header of the image, then the primary header.
 ///
@@ -90,7 +93,7 @@ pub struct HeaderSite {
 /// sites, such as ATLAS, without a keyword that decides between them.
 pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Error> {
     let keywords = Keywords(headers);
-    let name = keywords.text(&["TELESCOP", "OBSERVAT"]).map_or("site of the header".to_owned(), |(_, name)| name);
+    let name = keywords.text(&["TELESCOP", "OBSERVAT"]).map_or(UNNAMED_SITE.to_owned(), |(_, name)| name);
     // Sites with the keywords that give them, in order of precedence.
     let mut stated: Vec<(String, Site)> = Vec::new();
     for names in [CARTESIAN, GEODETIC] {
