@@ -264,7 +264,7 @@ def test_invalid_frames_are_named(model):
                 continue
             with pytest.raises(error, match=message):
                 verb(frame, **options, **more)
-    with pytest.raises(ValueError, match=r"frame\[1\] is an HDUList without HDUs"):
+    with pytest.raises(ValueError, match=r"frames\[1\] is an HDUList without HDUs"):
         model.measure([fits.PrimaryHDU(image, header()), fits.HDUList()])
     with pytest.raises(ValueError, match="output is given for an array"):
         streakcast.inject(ccd(), "x.fits", **STREAKS)
