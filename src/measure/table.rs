@@ -24,7 +24,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(
         Column::time(
             "mid_utc",
-            "Middle of the time in which the satellite is on the chip; if it is not found, at the position searched with the most light.",
+            "Middle of the time in which the satellite is on the chip; by its prediction if it is not found.",
         ),
         |pass| pass.epoch.into(),
     ),
@@ -33,7 +33,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             "duration_s",
             "s",
             4,
-            "Time in which the satellite is on the chip; if it is not found, at the position searched with the most light.",
+            "Time in which the satellite is on the chip; by its prediction if it is not found.",
         ),
         |pass| pass.duration_s.into(),
     ),
