@@ -13,8 +13,8 @@ use super::length::{Length, STATED_S, length, stated_s};
 use super::moment::Keywords;
 use super::scale::{APPROXIMATE, scale, scale_name, timesys};
 use super::start_doubts::{
-    SHIFT_SLACK, START_SLACK_S, Start, about_times, comments_of, of_other_date, other_parts, same_as_local,
-    states_start, written_early, zone,
+    SHIFT_SLACK, START_SLACK_S, Start, about_times, comments_of, of_day_number, of_other_date, other_parts,
+    same_as_local, sidereal, states_start, written_early, zone,
 };
 
 /// Error of the difference of two times with the same digits, seconds. One by a whole last digit is no rounding.
@@ -248,6 +248,10 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         ));
     }
     remarks.extend(created);
+    let readings = instants.readings.iter().filter(|(from, _)| first.from.split(" - ").next() == Some(from));
+    remarks.extend(readings.map(|(_, sentence)| format!("{sentence}; for another start specify --start")));
+    remarks.extend(of_day_number(keywords, &first));
+    remarks.extend(sidereal(keywords, &first, duration_s));
     remarks.extend(of_other_date(keywords, &first));
     remarks.extend(written_early(keywords, &first, duration_s));
     remarks.extend(about_times(keywords, &first));

@@ -20,13 +20,14 @@ pub const TIMES: &[&str] = &[
     "START-UT",
     "TIME-STR",
     "TM-START",
+    "TU-START",
     "UTSHUT",
     "TAIHMS",
 ];
 
 /// Keywords with a time of day that is not the start at some observatories. They are used only if no keyword of
 /// [`TIMES`] exists.
-pub const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME", "UTC-TIME", "UT-TIME"];
+pub const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME", "UTC-TIME", "UT-TIME", "TIME-UTC"];
 
 /// Keywords with the modified Julian date of the start.
 pub const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
@@ -34,16 +35,27 @@ pub const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-STAR
 /// Keywords with the Julian date of the start.
 pub const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];
 
-/// Keywords of the start that contain a date, a Julian date or a time of day.
-pub const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "SHUT-OPEN"];
+/// Keywords of the start that contain a date, a Julian date or a time of day. FRAME is that of Andor's cameras.
+pub const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "EXP-STRT", "SHUT-OPEN", "FRAME"];
 
 /// Keywords of dates that are used only if no other keyword gives the start.
 pub const LOOSE_DATES: &[&str] = &["MJD", "JD"];
 
 /// Keywords of the middle and of the end of the exposure.
 pub const MIDDLES: &[&str] = &[
-    "DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID", "UT-MID", "UTC-MID", "TIME-MID",
+    "DATE-AVG",
+    "MJD-AVG",
+    "MJD-MID",
+    "DATE-MID",
+    "JD-MID",
+    "JD-AVG",
+    "EXP-MID",
+    "UT-MID",
+    "UTC-MID",
+    "TIME-MID",
     "MIDTIME",
+    "MIDPOINT",
+    "UT-MIDDLE",
 ];
 pub const ENDS: &[&str] = &[
     "DATE-END",
@@ -74,7 +86,9 @@ pub const NAMED_STARTS: &[&str] = &[
     "JD-STR",
     "DATE-START",
     "EXP-START",
+    "EXP-STRT",
     "SHUT-OPEN",
+    "TU-START",
     "TIME-BEG",
     "UT-START",
     "UT-STR",

@@ -46,6 +46,8 @@ pub struct FrameImages {
     pub companions: Vec<CompanionPlane>,
     /// HDUs of distortion tables.
     pub tables: Vec<usize>,
+    /// HDUs of frames with the shape and the world coordinates of an earlier frame.
+    pub same_sky: Vec<usize>,
     /// HDUs of images with more than two axes, with the lengths of their axes.
     pub cubes: Vec<(usize, Vec<usize>)>,
 }
@@ -59,6 +61,7 @@ const KINDS: &[(&str, PlaneKind)] = &[
     ("BADPIX", PlaneKind::Mask),
     ("DQ", PlaneKind::Mask),
     ("DQM", PlaneKind::Mask),
+    ("APERTURE", PlaneKind::Mask),
     ("QUAL", PlaneKind::Mask),
     ("QUALITY", PlaneKind::Mask),
     ("FLAG", PlaneKind::Mask),
@@ -123,6 +126,9 @@ const MAPS: [&str; 27] = [
     "TMPL",
 ];
 
+/// Words of images of another time, whose masks and variances are not those of the frame.
+const OTHER_IMAGES: [&str; 5] = ["REF", "REFERENCE", "TEMPLATE", "TEMPL", "TMPL"];
+
 /// Names of images of the sky.
 const SCIENCE: [&str; 5] = ["SCI", "SCIENCE", "IMAGE", "DATA", "IMG"];
 
@@ -180,7 +186,11 @@ impl FrameImages {
                 match frames.iter().position(|frame| image.has_pixels_of(frame) || image.overlaps(frame)) {
                     None => frames.push(image),
                     Some(at) => match image.role_beside(&frames[at]) {
-                        Role::Frame => frames.push(image),
+                        Role::Frame => {
+                            let is_same = image.sky.is_some() && image.has_pixels_of(&frames[at]);
+                            found.same_sky.extend((is_same && !image.has_other_date(&frames[at])).then_some(hdu));
+                            frames.push(image);
+                        }
                         Role::Plane => planes.push((image, PlaneKind::Other)),
                         Role::FrameInstead => {
                             let earlier = std::mem::replace(&mut frames[at], image);
@@ -202,7 +212,7 @@ impl FrameImages {
         }
         frames.sort_by_key(|frame| frame.hdu);
         planes.sort_by_key(|(plane, _)| plane.hdu);
-        let of: Vec<Option<usize>> = planes.iter().map(|(plane, _)| plane.owner(&frames, &planes)).collect();
+        let of: Vec<Option<usize>> = planes.iter().map(|(plane, kind)| plane.owner(*kind, &frames, &planes)).collect();
         found.companions = planes
             .into_iter()
             .zip(of)
@@ -214,7 +224,7 @@ impl FrameImages {
 
     /// Returns which images are frames and which are not, in one line; `None` if all images are frames.
     pub fn summary(&self) -> Option<String> {
-        if self.companions.is_empty() && self.tables.is_empty() && self.cubes.is_empty() {
+        if [self.companions.len(), self.tables.len(), self.cubes.len(), self.same_sky.len()] == [0; 4] {
             return None;
         }
         let numbers = |hdus: &[usize]| hdus.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
@@ -223,6 +233,13 @@ impl FrameImages {
             [hdu] => format!("the frame is HDU {hdu}"),
             several => format!("the frames are HDU {}", numbers(several)),
         }];
+        if !self.same_sky.is_empty() {
+            parts.push(format!(
+                "HDU {} with the world coordinates of an earlier frame: if they are reads or amplifiers of one exposure, \
+                 specify one with --hdu",
+                numbers(&self.same_sky)
+            ));
+        }
         let shown_plane = |plane: &CompanionPlane| format!("{}{}", plane.hdu, shown(&plane.name));
         let planes: Vec<String> = self.companions.iter().map(shown_plane).collect();
         if !planes.is_empty() {
@@ -295,7 +312,7 @@ impl Image {
         Ok(Self {
             hdu,
             name: if is_by_type { of_type } else { name },
-            class: kind_of_class(header),
+            class: kind_of_class(header).or_else(|| kind_of_product(&[header, file.header(0).ok()?])),
             size: file.image_size(hdu)?,
             date: header.text("DATE-OBS").map(|date| match date.split_once('.') {
                 Some((whole, fraction)) => {
@@ -384,8 +401,20 @@ impl Image {
         if is_decided { Role::Plane } else { Role::Unclear }
     }
 
-    /// Returns the HDU of the frame to which a plane belongs, one of `planes`.
-    fn owner(&self, frames: &[Self], planes: &[(Self, PlaneKind)]) -> Option<usize> {
+    /// Returns true if the name of a mask or a variance has the name of another companion plane, as REF_MASK, or a word of
+    /// [`OTHER_IMAGES`].
+    fn is_of_other_image(&self, frames: &[Self], planes: &[(Self, PlaneKind)]) -> bool {
+        let images = planes.iter().filter(|(other, kind)| *kind == PlaneKind::Other && other.hdu != self.hdu);
+        let names: Vec<&str> = images.map(|(other, _)| other.name.as_str()).chain(OTHER_IMAGES).collect();
+        let is_of_frame = |word: &str| frames.iter().any(|frame| words_of(&frame.name).any(|other| other == word));
+        words_of(&self.name).any(|word| names.contains(&word) && !is_of_frame(word))
+    }
+
+    /// Returns the HDU of the frame to which a plane, one of `planes`, belongs.
+    fn owner(&self, kind: PlaneKind, frames: &[Self], planes: &[(Self, PlaneKind)]) -> Option<usize> {
+        if kind != PlaneKind::Other && self.is_of_other_image(frames, planes) {
+            return None;
+        }
         let same: Vec<&Self> = frames.iter().filter(|frame| frame.size == self.size).collect();
         // A property decides if it is that of one frame.
         let only = |is_frame: &dyn Fn(&Self) -> bool| {
@@ -453,6 +482,21 @@ fn kind_of_class(header: &Header) -> Option<PlaneKind> {
         ("ERROR", "INVMSE") => Some(PlaneKind::InverseVariance),
         ("ERROR", _) => Some(PlaneKind::Error),
         ("QUALITY", _) => Some(PlaneKind::Mask),
+        _ => None,
+    }
+}
+
+/// Returns the content that keywords of archives state for all images of a file: PRODTYPE (NOIRLab), PRODCATG (ESO) and
+/// OBSTYPE (Las Cumbres Observatory); `None` for data and without these keywords.
+fn kind_of_product(headers: &[&Header]) -> Option<PlaneKind> {
+    let text = |keyword: &str| headers.iter().find_map(|header| header.text(keyword)).unwrap_or_default();
+    let [product, category, observed] =
+        ["PRODTYPE", "PRODCATG", "OBSTYPE"].map(|keyword| text(keyword).trim().to_ascii_uppercase());
+    match (product.as_str(), category.as_str(), observed.as_str()) {
+        ("DQMASK", ..) | (.., "BPM") => Some(PlaneKind::Mask),
+        ("WTMAP", ..) | (_, "ANCILLARY.WEIGHTMAP", _) => Some(PlaneKind::Weight),
+        ("EXPMAP", ..) => Some(PlaneKind::Other),
+        _ if category.starts_with("ANCILLARY.") => Some(PlaneKind::Other),
         _ => None,
     }
 }
