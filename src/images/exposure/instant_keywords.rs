@@ -74,32 +74,11 @@ pub const ENDS: &[&str] = &[
 /// an exposure time is far too short.
 pub const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UTC-STOP", "TIME-STOP", "TM-END"];
 
-/// Keywords whose names state that they refer to the start.
-pub const NAMED_STARTS: &[&str] = &[
-    "DATE-BEG",
-    "DATE-STR",
-    "MJD-BEG",
-    "MJD-STR",
-    "MJD-START",
-    "JD-START",
-    "JD-BEG",
-    "JD-STR",
-    "DATE-START",
-    "EXP-START",
-    "EXP-STRT",
-    "SHUT-OPEN",
-    "TU-START",
-    "TIME-BEG",
-    "UT-START",
-    "UT-STR",
-    "UTC-START",
-    "UTC-STR",
-    "UT-BEG",
-    "UT-BEGIN",
-    "START-UT",
-    "TIME-STR",
-    "TM-START",
-];
+/// Returns true for a keyword of the start whose name states that it is that of the start, such as DATE-BEG, UT-START and
+/// SHUT-OPEN.
+pub fn names_start(keyword: &str) -> bool {
+    ["BEG", "STR", "OPEN"].iter().any(|part| keyword.contains(part))
+}
 
 /// Words before or after those of [`CLOCKS`] in keywords of the first and the last of several exposures, as in UTC-LAST
 /// and MINJD.

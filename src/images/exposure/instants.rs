@@ -10,7 +10,7 @@ use super::super::card::{Card, CardValue};
 use super::comment::{AFTER_EXPOSURE, Comment, FRAMES, Role};
 use super::instant_keywords::{
     CLOCKS, DATES, END_TIMES, ENDS, JULIAN_DATES, LOCAL_TIMES, LOOSE_DATES, LOOSE_TIMES, MIDDLES, MODIFIED_DATES,
-    NAMED_STARTS, OTHER_DATES, OTHER_STARTS, OUTERMOST, SHUTTER, TIMES, UNIVERSAL_DATES,
+    OTHER_DATES, OTHER_STARTS, OUTERMOST, SHUTTER, TIMES, UNIVERSAL_DATES, names_start,
 };
 use super::moment::{
     DateText, Keywords, at, bare, date_and_time, has_zone, is_spelling, parse_date, parse_date_of, parse_time,
@@ -489,15 +489,15 @@ impl Reader<'_> {
         {
             return Ok(());
         }
-        let slack_s = header.card(&from).map_or(0.0, resolution) * DAY_S;
+        let slack_s = header.card(&from).map_or(0.0, |card| resolution(card).max(single_precision(number))) * DAY_S;
         let value = number.map_or(value, |number| number.to_string());
         let is_loose = is_loose && !states_start(&comment);
         self.add(Instant { slack_s, is_loose, ..instant(epoch, from, role) }, &value, &[comment]);
         Ok(())
     }
 
-    /// Returns the scale of a date: that of TIMESYS, or else the one that its comment states. A date of which the comment
-    /// states that it was converted to UTC is in UTC (files of HEASARC, whose TIMESYS is that of TSTART).
+    /// Returns the scale of a date: that of TIMESYS, or else the one that its comment states. A date of which the
+    /// comment states that it was converted to UTC is in UTC (files of HEASARC, whose TIMESYS is that of TSTART).
     fn scale_of(&self, comment: &Comment) -> TimeScale {
         if !self.is_stated {
             comment.scale().ok().flatten().unwrap_or(self.scale)
@@ -518,8 +518,7 @@ impl Reader<'_> {
             return;
         }
         let usual = instant.role;
-        let is_start = |keyword: &str| NAMED_STARTS.iter().any(|name| is_spelling(name, keyword));
-        let is_named = usual != Role::Start || instant.from.split(" + ").any(is_start);
+        let is_named = usual != Role::Start || instant.from.split(" + ").any(names_start);
         let role = comments.iter().enumerate().try_fold(None, |role: Option<Role>, (at, comment)| {
             let of_comment = || {
                 if !self.is_stated {
@@ -536,12 +535,17 @@ impl Reader<'_> {
             let devices = DEVICES.iter().filter_map(|keyword| self.keywords.text(&[keyword]));
             devices.into_iter().any(|(_, text)| text.to_ascii_lowercase().contains(device))
         };
+        let starts = [DATES, TIMES, MODIFIED_DATES, JULIAN_DATES, OTHER_STARTS];
+        let has_named_start = || {
+            let mut named = starts.into_iter().flatten().filter(|name| names_start(name));
+            named.any(|name| self.keywords.find(name).is_some())
+        };
         let role = match role {
             Err((comment, AFTER_EXPOSURE))
                 if instant.from == "DATE-OBS"
                     && comment.text().to_ascii_lowercase().contains(CREATED)
                     && is_of_device(CREATES_AT_END)
-                    && NAMED_STARTS.iter().all(|name| self.keywords.find(name).is_none()) =>
+                    && !has_named_start() =>
             {
                 self.instants.created.get_or_insert((instant.from.clone(), comment.text().to_owned()));
                 Ok(Some(Role::End))
@@ -575,15 +579,22 @@ impl Reader<'_> {
                     |known: &&Instant| seconds_between(known.epoch, instant.epoch).abs() <= SAME_READING_S + slack_s;
                 let same = || self.instants.found.iter().find(is_same).filter(|_| !is_named).map(|known| known.role);
                 let of_same = role.or_else(same);
-                // The comment of days also states the part of the date from which they are computed.
-                if let Some(role) = role.filter(|_| !is_named && value.parse::<f64>().is_ok_and(|days| days > 1e4)) {
-                    let others =
-                        self.instants.found.iter_mut().filter(|known| !known.is_role_stated && is_same(&&**known));
-                    others.for_each(|known| known.role = role);
+                // The end of the observation, with the readout.
+                let is_of_cfht = || self.keywords.text(&["TELESCOP"]).is_some_and(|(_, name)| name.starts_with("CFHT"));
+                let is_loose = instant.is_loose || (usual == Role::End && is_of_cfht());
+                // The comment of days also states that the date from which they are computed is the middle.
+                let is_middle = role == Some(Role::Middle) && value.parse::<f64>().is_ok_and(|days| days > 1e4);
+                for known in self.instants.found.iter_mut().filter(|_| is_middle && !is_named) {
+                    if !known.is_role_stated && is_same(&&*known) {
+                        known.role = Role::Middle;
+                        let sentence =
+                            format!("{} is read as the middle, by the comment of {}", known.from, instant.from);
+                        self.instants.readings.push((known.from.clone(), sentence));
+                    }
                 }
                 let is_role_stated = is_named || role.is_some();
                 let (role, value) = (of_same.unwrap_or(usual), value.to_owned());
-                self.instants.found.push(Instant { role, value, slack_s, is_role_stated, ..instant });
+                self.instants.found.push(Instant { role, value, slack_s, is_role_stated, is_loose, ..instant });
             }
             Err((comment, problem)) => {
                 if comment.is_local() || problem == OTHER_SCALE {
@@ -620,6 +631,20 @@ fn instant(epoch: Epoch, from: String, role: Role) -> Instant {
 /// Returns true for Julian dates and modified Julian dates of this century.
 fn is_day_number(number: f64) -> bool {
     (51_544.0..88_069.0).contains(&number) || (2_451_544.5..2_488_069.5).contains(&number)
+}
+
+/// Returns half of the last digit of a number that was converted from single precision, as 56990.8984375 of 56990.9; 0
+/// for other numbers.
+fn single_precision(number: Option<f64>) -> f64 {
+    let decimals = |text: String| text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let Some(number) = number.filter(|number| f64::from(*number as f32) == *number) else { return 0.0 };
+    let short = decimals((number as f32).to_string());
+    // Multiples of 1/64 may be exact times of day.
+    if short < decimals(number.to_string()).saturating_sub(1) && decimals(number.to_string()) > 6 {
+        0.5 * 10f64.powi(-(short as i32))
+    } else {
+        0.0
+    }
 }
 
 /// Returns the epoch of a number of seconds or milliseconds since 1970, for years from 2001 to 2096.

@@ -72,8 +72,8 @@ pub const SITE_KEYWORDS: &str =
 pub struct HeaderSite {
     /// The site.
     pub site: Site,
-    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours, or about an unknown code
-    /// of the Minor Planet Center.
+    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours, or about an unknown
+    /// code of the Minor Planet Center.
     pub remark: Option<String>,
 }
 

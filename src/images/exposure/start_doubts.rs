@@ -8,7 +8,7 @@ use crate::frames::seconds_between;
 
 use super::super::card::CardValue;
 use super::comment::{AGREED_S, Comment, Role};
-use super::instant_keywords::{LOOSE_DATES, NAMED_STARTS, OTHER_DATES};
+use super::instant_keywords::{LOOSE_DATES, OTHER_DATES, names_start};
 use super::instants::{Instant, Instants};
 use super::length::STATED_S;
 use super::moment::{DateText, Keywords, is_spelling, parse_date, parse_time};
@@ -98,9 +98,8 @@ fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
 
 /// Returns true if the name or the comment of a keyword of the start states the start.
 pub fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
-    let is_named = |name: &str| NAMED_STARTS.iter().any(|known| is_spelling(known, name));
     let is_stated = |comment: &Comment| matches!(comment.role(None), Ok(Some(Role::Start)));
-    start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
+    start.from.split(" + ").any(names_start) || comments_of(keywords, start).iter().any(is_stated)
 }
 
 /// Returns a sentence about a start in OBS-DATE if nothing states that it is in universal time.
@@ -125,8 +124,8 @@ pub fn of_day_number(keywords: Keywords<'_>, start: &Start) -> Option<String> {
     })
 }
 
-/// Returns a sentence about a sidereal time of the site that differs from that of the exposure by more than some minutes:
-/// the start may be a local time.
+/// Returns a sentence about a sidereal time of the site that differs from that of the exposure by more than some
+/// minutes: the start may be a local time.
 pub fn sidereal(keywords: Keywords<'_>, start: &Start, duration_s: f64) -> Option<String> {
     let (name, text) = keywords.text(SIDEREAL_TIMES)?;
     let ([hours, minutes], seconds) = parse_time(&text)?;

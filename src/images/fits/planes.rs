@@ -94,8 +94,8 @@ const KINDS: &[(&str, PlaneKind)] = &[
 /// Parts of words that mark planes in combined names, such as `CHIPMASK` or `BADFLAGS`.
 const PARTS: [&str; 5] = ["MASK", "VARIANCE", "WEIGHT", "IVAR", "FLAG"];
 
-/// Words in names of images that belong to a frame of another time, such as the template of a difference, or that have a
-/// date of their own because another program wrote them.
+/// Words in names of images that belong to a frame of another time, such as the template of a difference, or that have
+/// a date of their own because another program wrote them.
 const MAPS: [&str; 27] = [
     "AREA",
     "BACK",
@@ -159,10 +159,10 @@ impl FrameImages {
     /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless both have
     /// the name of a science image with another number or EXTVER. If it has a start of its own, it is a companion plane
     /// with the name of a background, a template or another map, a frame with a name like that of the earlier one, and
-    /// ambiguous otherwise. An image of another shape or scale whose centre is in an earlier frame, or that contains the
-    /// centre of one, is a companion plane, too, unless it has a start of its own: a binned copy, a background or a preview.
-    /// Names of masks, variances and weights, and HDUCLAS2 of errors and flags, mark companion planes of any shape. Images
-    /// with the names of distortion tables are never frames.
+    /// ambiguous otherwise. An image of another shape or scale whose centre is in an earlier frame, or that contains
+    /// the centre of one, is a companion plane, too, unless it has a start of its own: a binned copy, a background or a
+    /// preview. Names of masks, variances and weights, and HDUCLAS2 of errors and flags, mark companion planes of any
+    /// shape. Images with the names of distortion tables are never frames.
     ///
     /// # Errors
     /// An image that can be both a frame and a companion plane, because neither its name nor its world coordinates
@@ -401,8 +401,8 @@ impl Image {
         if is_decided { Role::Plane } else { Role::Unclear }
     }
 
-    /// Returns true if the name of a mask or a variance has the name of another companion plane, as REF_MASK, or a word of
-    /// [`OTHER_IMAGES`].
+    /// Returns true if the name of a mask or a variance has the name of another companion plane, as REF_MASK, or a word
+    /// of [`OTHER_IMAGES`].
     fn is_of_other_image(&self, frames: &[Self], planes: &[(Self, PlaneKind)]) -> bool {
         let images = planes.iter().filter(|(other, kind)| *kind == PlaneKind::Other && other.hdu != self.hdu);
         let names: Vec<&str> = images.map(|(other, _)| other.name.as_str()).chain(OTHER_IMAGES).collect();
@@ -423,7 +423,11 @@ impl Image {
         };
         let by_sky = || only(&|frame| self.has_sky() && self.has_pixels_of(frame));
         let by_version = || only(&|frame| frame.version.is_some() && frame.version == self.version);
-        let by_name = || only(&|frame| !frame.name.is_empty() && self.name.ends_with(&frame.name));
+        let has_name = |frame: &Self| {
+            self.name.ends_with(&frame.name)
+                || self.name.split(|c: char| !c.is_ascii_alphanumeric()).any(|part| part == frame.name)
+        };
+        let by_name = || only(&|frame| !frame.name.is_empty() && has_name(frame));
         let by_number = || only(&|frame| number(&frame.name).is_some() && number(&frame.name) == number(&self.name));
         // As many planes of this content as frames have their order.
         let by_order = || {

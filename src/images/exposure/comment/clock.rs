@@ -32,7 +32,8 @@ impl Comment {
         self.has(UNIVERSAL)
     }
 
-    /// Returns true if the comment states that a time was converted to universal time, as in "TSTART, expressed in UTC".
+    /// Returns true if the comment states that a time was converted to universal time, as in "TSTART, expressed in
+    /// UTC".
     pub fn is_converted_to_universal(&self) -> bool {
         let lower = self.text.to_ascii_lowercase();
         let is_converted = self.has("expressed converted") || lower.contains("tstart") || lower.contains("tstop");
