@@ -309,7 +309,7 @@ fn is_outvoted(instants: &Instants, first: &Start, other: &Instant, duration_s: 
     let agrees = |instant: &&Instant| {
         !is_days(instant)
             && late_s(instant).abs() <= START_SLACK_S + first.slack_s + instant.slack_s
-            && !first.from.split(" - ").next().is_some_and(|from| from == instant.from)
+            && first.from.split(" - ").next().is_none_or(|from| from != instant.from)
     };
     let others: Vec<&Instant> = instants.found.iter().filter(agrees).collect();
     let has = |role: Role| others.iter().any(|instant| instant.role == role);
