@@ -23,8 +23,7 @@ use crate::measure::{
 use crate::message::first_of;
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
-use crate::passes::{AltAz, Sky, no_ephemeris};
-use crate::photometry::{Band, PhotometryOptions};
+use crate::passes::no_ephemeris;
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 use crate::watch::Watch;
 
@@ -32,11 +31,6 @@ use crate::watch::Watch;
 const SEEING_PIX: f64 = 4.0;
 /// Largest distance of the sites in the headers of the frames of one run, km.
 const ONE_SITE_KM: f64 = 1.0;
-
-/// Altitude of the middle of a frame, with refraction, below which its time or its site is wrong, and that of the Sun
-/// above which it is, degrees.
-const HORIZON_DEG: f64 = -0.6;
-const BRIGHT_DEG: f64 = -6.0;
 
 /// File of a frame that cannot be used, with the reason.
 type FrameError = (PathBuf, Error);
@@ -191,8 +185,11 @@ impl MeasureConfig {
             of_all.iter().filter(|_| sky.is_none()).flat_map(|all| all.warnings.clone()).collect();
         let mut remarks: Vec<String> = remark.into_iter().chain(std::mem::take(&mut listed.remarks)).collect();
         let run = FrameRun {
-            measure: self,
             config: &config,
+            optics: &|frame| self.optics(&config, frame),
+            has_streaks: !self.streaks.is_empty(),
+            fit_width: self.fit_width,
+            cuts: self.cuts,
             stars: table.as_ref(),
             place_sigma_deg: place_sigma,
             satellite_size_m,
@@ -328,24 +325,6 @@ impl MeasureConfig {
     }
 }
 
-/// Returns a warning if the position of a telescope in orbit is unknown for the satellites in a frame, or if the frame
-/// is below the horizon of the site or was taken by day.
-pub(super) fn observer_warning(sky: &Sky, frame: &TargetFrame) -> Option<String> {
-    let (centre, radius_rad) = frame.circle()?;
-    let shown = frame.file.path().display();
-    let unknown = sky.unknown_observer_warning(&shown.to_string(), frame.opened, radius_rad);
-    let middle = seconds_after(frame.opened, 0.5 * frame.exposure_s);
-    let altitude_deg = |found: Result<AltAz, Error>| found.ok().map(|altaz| altaz.altitude_rad.to_degrees());
-    let low = || altitude_deg(sky.pointing_altaz(&centre, middle)).filter(|deg| *deg < HORIZON_DEG);
-    let bright = || altitude_deg(sky.sun_altaz(middle)).filter(|deg| *deg > BRIGHT_DEG);
-    let wrong = |what: &str, deg: f64| {
-        format!(
-            "{shown}: {what} is at an altitude of {deg:.1} deg: the start or the site is wrong, perhaps a local time"
-        )
-    };
-    unknown.or_else(|| Some(wrong("the middle of the frame", low()?))).or_else(|| Some(wrong("the Sun", bright()?)))
-}
-
 /// Adds the rows of frames that cannot be used to the invalid ones, and returns those of the given frames.
 ///
 /// # Errors
@@ -439,20 +418,4 @@ fn other_site(own: Option<&HeaderSite>, site: &HeaderSite, of: &Path) -> Option<
         given,
         "one run for each site, or --site or --lat and --lon for all frames",
     ))
-}
-
-/// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.
-pub(super) fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, Error> {
-    let given = config.photometry()?;
-    let filter = frame.filter.as_deref().unwrap_or_default().trim();
-    let word = filter.split_whitespace().next().unwrap_or_default();
-    // `H alpha 656nm` is no infrared band.
-    let band = word.trim_end_matches('\'').parse::<Band>().ok().filter(|band| !band.is_infrared() || word == filter);
-    Ok(match band.filter(|_| config.light.band.is_none()) {
-        Some(band) => {
-            let system = if config.light.mag_system.is_some() { given.system } else { band.usual_system() };
-            PhotometryOptions { band, system, ..given }
-        }
-        None => given,
-    })
 }

@@ -1,24 +1,36 @@
 //! Measurement of the streaks of one frame of a run.
 
 use super::document::Config;
-use super::measure::{MeasureConfig, observer_warning, photometry};
 use super::measured_tables::identify_listed;
 use crate::error::Error;
+use crate::frames::seconds_after;
 use crate::measure::{
     CatalogueStar, Estimate, FrameMeasurements, FrameOptions, ListedMeasurement, ListedStreak, MeasureOptions,
     StarTable, StarZeroPoint, ZeroPoints, measure_frame, measure_listed,
 };
-use crate::passes::Sky;
+use crate::passes::{AltAz, Sky};
+use crate::photometry::{Band, PhotometryOptions};
 use crate::streaks::{Optics, TargetFrame};
 use crate::watch::Watch;
 
 /// Relative difference between the given seeing and that of the stars above which there is a warning.
 const SEEING_TOLERANCE: f64 = 0.1;
 
+/// Altitude of the middle of a frame, with refraction, below which its time or its site is wrong, and that of the Sun
+/// above which it is, degrees.
+const HORIZON_DEG: f64 = -0.6;
+const BRIGHT_DEG: f64 = -6.0;
+
 /// Options of all frames of a run.
 pub(super) struct FrameRun<'a> {
-    pub measure: &'a MeasureConfig,
     pub config: &'a Config,
+    /// Returns the optics of a frame, and whether their seeing is given.
+    pub optics: &'a dyn Fn(&TargetFrame) -> Result<(Optics, bool), Error>,
+    /// True if streaks are given instead of those of satellites.
+    pub has_streaks: bool,
+    pub fit_width: bool,
+    /// True if the pixels along each track are returned.
+    pub cuts: bool,
     /// Table of stars for the zero point.
     pub stars: Option<&'a StarTable>,
     /// Position error (one sigma) of the ends of given streaks.
@@ -57,7 +69,7 @@ impl FrameRun<'_> {
         state_frame(frame, is_calibrated || self.stars.is_some(), &mut warnings);
         warnings.extend(sky.and_then(|sky| observer_warning(sky, frame)));
         let photometry = photometry(self.config, frame)?;
-        let (optics, is_seeing_known) = self.measure.optics(self.config, frame)?;
+        let (optics, is_seeing_known) = (self.optics)(frame)?;
         let filter = self.config.light.band.as_deref().or(frame.filter.as_deref());
         let stars: Option<Vec<CatalogueStar>> = self.stars.map(|table| table.in_band(filter)).transpose()?;
         let zero_points = match &stars {
@@ -65,7 +77,7 @@ impl FrameRun<'_> {
             None if is_calibrated => ZeroPoints::Frame,
             None => ZeroPoints::Missing,
         };
-        let measure = MeasureOptions { fit_width: self.measure.fit_width, ..MeasureOptions::default() };
+        let measure = MeasureOptions { fit_width: self.fit_width, ..MeasureOptions::default() };
         let options = FrameOptions {
             zero_points,
             photometry,
@@ -73,10 +85,10 @@ impl FrameRun<'_> {
             is_seeing_known,
             satellite_size_m: self.satellite_size_m,
             measure,
-            cuts: self.measure.cuts,
+            cuts: self.cuts,
         };
         let measured = match sky {
-            Some(sky) if self.measure.streaks.is_empty() => measure_frame(sky, frame, &options)?,
+            Some(sky) if !self.has_streaks => measure_frame(sky, frame, &options)?,
             sky => {
                 let mut unknown = Vec::new();
                 if let Some(sky) = sky {
@@ -163,4 +175,38 @@ fn state_stars(
             optics.seeing_arcsec
         ));
     }
+}
+
+/// Returns a warning if the position of a telescope in orbit is unknown for the satellites in a frame, or if the frame
+/// is below the horizon of the site or was taken by day.
+pub(super) fn observer_warning(sky: &Sky, frame: &TargetFrame) -> Option<String> {
+    let (centre, radius_rad) = frame.circle()?;
+    let shown = frame.file.path().display();
+    let unknown = sky.unknown_observer_warning(&shown.to_string(), frame.opened, radius_rad);
+    let middle = seconds_after(frame.opened, 0.5 * frame.exposure_s);
+    let altitude_deg = |found: Result<AltAz, Error>| found.ok().map(|altaz| altaz.altitude_rad.to_degrees());
+    let low = || altitude_deg(sky.pointing_altaz(&centre, middle)).filter(|deg| *deg < HORIZON_DEG);
+    let bright = || altitude_deg(sky.sun_altaz(middle)).filter(|deg| *deg > BRIGHT_DEG);
+    let wrong = |what: &str, deg: f64| {
+        format!(
+            "{shown}: {what} is at an altitude of {deg:.1} deg: the start or the site is wrong, perhaps a local time"
+        )
+    };
+    unknown.or_else(|| Some(wrong("the middle of the frame", low()?))).or_else(|| Some(wrong("the Sun", bright()?)))
+}
+
+/// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.
+pub(super) fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, Error> {
+    let given = config.photometry()?;
+    let filter = frame.filter.as_deref().unwrap_or_default().trim();
+    let word = filter.split_whitespace().next().unwrap_or_default();
+    // `H alpha 656nm` is no infrared band.
+    let band = word.trim_end_matches('\'').parse::<Band>().ok().filter(|band| !band.is_infrared() || word == filter);
+    Ok(match band.filter(|_| config.light.band.is_none()) {
+        Some(band) => {
+            let system = if config.light.mag_system.is_some() { given.system } else { band.usual_system() };
+            PhotometryOptions { band, system, ..given }
+        }
+        None => given,
+    })
 }

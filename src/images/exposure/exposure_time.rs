@@ -106,7 +106,8 @@ fn other_value(keywords: Keywords<'_>, from: &str, flag: &str) -> Option<String>
     let mut values = keywords.0.iter().filter_map(shown);
     let (first, other) = (values.next()?, values.next()?);
     // A date without a time and one with a time are no contradiction.
-    let is_other = !first.starts_with(&other) && !other.starts_with(&first);
+    let are_numbers = [&first, &other].iter().all(|text| text.parse::<f64>().is_ok());
+    let is_other = first != other && (are_numbers || !first.starts_with(&other) && !other.starts_with(&first));
     is_other.then(|| {
         format!(
             "{name} is {first} in the header of the image, which is used, and {other} in the primary header: for the latter \

@@ -77,7 +77,7 @@ pub const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UT
 /// Returns true for a keyword of the start whose name states that it is that of the start, such as DATE-BEG, UT-START and
 /// SHUT-OPEN.
 pub fn names_start(keyword: &str) -> bool {
-    ["BEG", "STR", "OPEN"].iter().any(|part| keyword.contains(part))
+    ["BEG", "STR", "START", "OPEN"].iter().any(|part| keyword.contains(part))
 }
 
 /// Words before or after those of [`CLOCKS`] in keywords of the first and the last of several exposures, as in UTC-LAST
