@@ -427,9 +427,13 @@ impl Reader<'_> {
             if keyword == "FRAME" {
                 return Ok(());
             }
-            // Other numbers in EXPSTART and EXPEND count from another instant.
+            // Other numbers in EXPSTART and EXPEND count from another instant, and UTMIDDLE of the DAO is in hours.
             let read = self.days(keyword, role, false);
-            return if ["EXP", "SHUT"].iter().any(|name| keyword.starts_with(name)) { Ok(()) } else { read };
+            return if ["EXP", "SHUT", "MIDPOINT", "UT"].iter().any(|name| keyword.starts_with(name)) {
+                Ok(())
+            } else {
+                read
+            };
         }
         if let Some((from, value, comment)) = self.keywords.text_and_comment(keyword)
             && let DateText::Moment(epoch) = parse_date(&value, self.scale_of(&comment))

@@ -300,6 +300,7 @@ fn valid_times_of_day_beside_a_date() {
         ("MIDPOINT= '03:15:00'", "2026-08-22T03:14:45", "DATE-OBS + MIDPOINT - half of the exposure"),
         ("UTMIDDLE= '03:15:00'", "2026-08-22T03:14:45", "DATE-OBS + UTMIDDLE - half of the exposure"),
         ("EXPSTART=       61274.13541667\nTIME-OBS= '03:15:00'", "2026-08-22T03:15:00", "DATE-OBS + TIME-OBS"),
+        ("UTMIDDLE=                 3.25\nTIME-OBS= '03:15:00'", "2026-08-22T03:15:00", "DATE-OBS + TIME-OBS"),
     ] {
         begins(&format!("{date}{card}"), utc, from);
     }
