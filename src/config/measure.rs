@@ -9,31 +9,26 @@ use serde::Deserialize;
 use super::document::Config;
 use super::error;
 use super::injection_plan::{SkyOf, checked_size, seeing_form};
-use super::measured_tables::{MeasuredTables, identify_listed, rows_left_out};
+use super::measure_frame::FrameRun;
+use super::measured_tables::{MeasuredTables, rows_left_out};
 use super::required::FRAMES;
 use super::values::{parse_angle_deg, parse_exposure_s};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{is_covered, parse_start, seconds_after};
 use crate::geometry::Site;
 use crate::images::{Calibration, CountBasis, FrameFile, HeaderSite};
 use crate::measure::{
-    CatalogueStar, Estimate, FrameMeasurements, FrameOptions, ListedMeasurement, MeasureOptions, MeasuredPass,
-    StarTable, StarZeroPoint, ZeroPoints, listed_table, measure_frame, measure_listed, measurement_table,
-    predict_within_passes,
+    ListedMeasurement, MeasuredPass, StarTable, listed_table, measurement_table, predict_within_passes,
 };
 use crate::message::first_of;
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
-use crate::passes::{Sky, no_ephemeris};
-use crate::photometry::{Band, PhotometryOptions};
+use crate::passes::no_ephemeris;
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 use crate::watch::Watch;
 
 /// Initial seeing of the fit of the width if no seeing is given, pixels.
 const SEEING_PIX: f64 = 4.0;
-/// Relative difference between the given seeing and that of the stars above which there is a warning.
-const SEEING_TOLERANCE: f64 = 0.1;
-
 /// Largest distance of the sites in the headers of the frames of one run, km.
 const ONE_SITE_KM: f64 = 1.0;
 
@@ -48,8 +43,8 @@ pub struct MeasureConfig {
     /// Frames (FITS) with world coordinates, including mosaics and tile-compressed .fz
     #[cfg_attr(feature = "cli", arg(value_name = "FRAME"))]
     pub image: Vec<PathBuf>,
-    /// Tables of streaks, instead of predicted satellites: CSV, ECSV or FITS with their ends, streaks.txt of ASTRiDE, the
-    /// catalog of acstools.findsat_mrt, or regions of DS9. With --elements or --shells the streaks are identified
+    /// Tables of streaks, instead of predicted satellites: CSV, ECSV or FITS with their ends, streaks.txt of ASTRiDE,
+    /// the catalog of acstools.findsat_mrt, or regions of DS9. With --elements or --shells the streaks are identified
     #[cfg_attr(feature = "cli", arg(long, value_name = "TABLE", num_args = 1..))]
     pub streaks: Vec<PathBuf>,
     /// Folder to which names of frames in `streaks` are relative; that of each table if omitted.
@@ -102,8 +97,8 @@ pub struct MeasureConfig {
     /// Gain, electrons per count; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "E"))]
     pub gain: Option<f64>,
-    /// Value at which pixels are saturated, in the frame's unit; from the header if omitted, or else the largest value of
-    /// the frame if pixels pile up there
+    /// Value at which pixels are saturated, in the frame's unit; from the header if omitted, or else the largest value
+    /// of the frame if pixels pile up there
     #[cfg_attr(feature = "cli", arg(long, value_name = "COUNTS"))]
     pub saturation: Option<f64>,
     /// If true, the pixels along each track are returned, for pictures.
@@ -139,7 +134,8 @@ impl MeasureConfig {
     ///
     /// `sky` returns the sky of the night of a frame; by default it is prepared from the configuration for all frames.
     /// Streaks of tables need no satellites. Frames without an image, world coordinates, a time or a site are left out,
-    /// with a warning; so are those of another site than the first, if none is given.
+    /// with a warning; so are those whose pixels cannot be read, and those of another site than the first, if none is
+    /// given.
     ///
     /// # Errors
     /// No frame is left, a table is invalid, or a value is out of range.
@@ -168,13 +164,8 @@ impl MeasureConfig {
         }
         let (config, remark) =
             if has_sky { with_site(config, &mut frames, &mut failed)? } else { (config.clone(), None) };
-        listed.frames = frames.iter().map(|(frame, _)| frame.file.path().to_owned()).collect();
-        let (unreadable, of_rows): (Vec<FrameError>, Vec<FrameError>) =
-            failed.into_iter().partition(|(path, _)| self.image.contains(path));
-        // The rows that name a frame which cannot be used are invalid, not the request.
-        of_rows.iter().for_each(|(path, error)| listed.leave_out_rows_of(path, error));
-        if let Some((_, first)) = unreadable.first().filter(|_| frames.is_empty()) {
-            return Err(first.clone());
+        if frames.is_empty() {
+            leave_out(std::mem::take(&mut failed), &self.image, &mut listed)?;
         }
         let (first, last) = (
             frames.iter().map(|(frame, _)| frame.opened).min(),
@@ -190,8 +181,20 @@ impl MeasureConfig {
             (Some((first, last)), None) => Some(Arc::new(config.prepare(first, last)?)),
         };
         // The warnings of a given sky are not repeated here.
-        let mut warnings = of_all.iter().filter(|_| sky.is_none()).flat_map(|all| all.warnings.clone()).collect();
+        let mut warnings: Vec<String> =
+            of_all.iter().filter(|_| sky.is_none()).flat_map(|all| all.warnings.clone()).collect();
         let mut remarks: Vec<String> = remark.into_iter().chain(std::mem::take(&mut listed.remarks)).collect();
+        let run = FrameRun {
+            config: &config,
+            optics: &|frame| self.optics(&config, frame),
+            has_streaks: !self.streaks.is_empty(),
+            fit_width: self.fit_width,
+            cuts: self.cuts,
+            stars: table.as_ref(),
+            place_sigma_deg: place_sigma,
+            satellite_size_m,
+            watch,
+        };
         let (mut passes, mut left_out, mut rows) = (Vec::new(), Vec::new(), Vec::new());
         for (frame, is_calibrated) in &frames {
             let prepared = match (&of_all, sky) {
@@ -200,79 +203,32 @@ impl MeasureConfig {
                 (Some(all), None) => Some(all.clone()),
             };
             let sky = prepared.as_ref().map(|prepared| prepared.sky.watched(watch));
-            let shown = frame.file.path().display();
-            state_frame(frame, *is_calibrated || table.is_some(), &mut warnings);
-            warnings.extend(sky.iter().flat_map(|sky| frame_warnings(sky, frame)));
-            let photometry = photometry(&config, frame)?;
-            let (optics, is_seeing_known) = self.optics(&config, frame)?;
-            let filter = config.light.band.as_deref().or(frame.filter.as_deref());
-            let stars: Option<Vec<CatalogueStar>> = table.as_ref().map(|table| table.in_band(filter)).transpose()?;
-            let zero_points = match &stars {
-                Some(stars) => ZeroPoints::Stars(stars),
-                None if *is_calibrated => ZeroPoints::Frame,
-                None => ZeroPoints::Missing,
-            };
-            let measure = MeasureOptions { fit_width: self.fit_width, ..MeasureOptions::default() };
-            let options = FrameOptions {
-                zero_points,
-                photometry,
-                optics,
-                is_seeing_known,
-                satellite_size_m,
-                measure,
-                cuts: self.cuts,
-            };
-            let measured: FrameMeasurements = match &sky {
-                Some(sky) if self.streaks.is_empty() => measure_frame(sky, frame, &options)?,
-                sky => {
-                    let mut streaks = listed.streaks_of(frame.file.path());
-                    let mut unknown = Vec::new();
-                    if let Some(sky) = sky {
-                        unknown = identify_listed(sky, frame, &mut streaks, place_sigma, &photometry)?;
-                    }
-                    let sigma_arcsec = place_sigma.map(|deg| deg * 3600.0);
-                    let invalid = &mut listed.invalid;
-                    let (found, done) = measure_listed(frame, &streaks, sigma_arcsec, &options, invalid, watch)?;
-                    let of_frame = found.iter().filter_map(|streak| streak.measured.as_ref().ok());
-                    let of_frame = of_frame.map(|pass| MeasuredPass::clone(pass)).collect();
-                    rows.extend(found);
-                    FrameMeasurements { passes: of_frame, left_out: unknown, ..done }
+            let path = frame.file.path();
+            match run.measure(frame, *is_calibrated, sky.as_ref(), listed.streaks_of(path)) {
+                Ok(done) => {
+                    listed.frames.push(path.to_owned());
+                    listed.invalid.extend(done.invalid);
+                    rows.extend(done.rows);
+                    remarks.extend(done.remarks);
+                    warnings.extend(done.warnings);
+                    passes.extend(done.measured.passes);
+                    left_out.extend(done.measured.left_out);
                 }
-            };
-            for (hdu, from_stars) in &measured.star_zero_points {
-                state_stars(
-                    &format!("{shown}: HDU {hdu}"),
-                    from_stars,
-                    &optics,
-                    is_seeing_known,
-                    &mut remarks,
-                    &mut warnings,
-                );
+                Err(error) if error.kind() == ErrorKind::Cancelled => return Err(error),
+                Err(error) => failed.push((path.to_owned(), error)),
             }
-            remarks.extend(frame.header_remarks.iter().map(|remark| format!("{shown}: {remark}")));
-            remarks.extend(measured.remarks.iter().map(|remark| format!("{shown}: {remark}")));
-            let used = &measured.planes_used;
-            if let Some(summary) = frame.images.summary() {
-                let used =
-                    if used.is_empty() { "; no plane is used".to_owned() } else { format!("; {}", used.join("; ")) };
-                remarks.push(format!("{shown}: {summary}{used}"));
-            }
-            let arbitrary = measured.passes.iter().filter(|pass| !pass.prediction.is_position_known).count();
-            if arbitrary > 0 {
-                warnings.push(format!(
-                    "{shown}: {arbitrary} of {} rows are of satellites with elements too old to predict positions (flag \
-                     position): streaks may be of other satellites, and there are no limits; specify element sets of that time",
-                    measured.passes.len()
-                ));
-            }
-            passes.extend(measured.passes);
-            left_out.extend(measured.left_out);
         }
+        let unreadable = leave_out(failed, &self.image, &mut listed)?;
         if let Some(first) = listed.invalid.first().filter(|_| rows.is_empty()) {
             return Err(first.clone());
         }
         warnings.extend(rows_left_out(&listed.invalid));
-        let left_out_frames = unreadable.iter().map(|(_, error)| format!("{error}; the frame is left out"));
+        let left_out_frames = unreadable.into_iter().map(|(path, error)| {
+            // Errors of a value in the frame, or of another file.
+            let is_named = error.file() == Some(&path);
+            let error = if is_named { error } else { error.within(path.display(), &path, None) };
+            format!("{error}; the frame is left out")
+        });
         warnings.extend(first_of(left_out_frames, "frames left out"));
         let has_distance = |row: &ListedMeasurement| {
             row.measured.as_ref().is_ok_and(|pass| {
@@ -369,59 +325,22 @@ impl MeasureConfig {
     }
 }
 
-/// Returns warnings about the position of the telescope, the time and the site of a frame.
-pub(super) fn frame_warnings(sky: &Sky, frame: &TargetFrame) -> Vec<String> {
-    frame.exposure().map(|(exposure, radius_rad)| sky.frame_warnings(&exposure, radius_rad)).unwrap_or_default()
-}
-
-/// Adds the HDUs of a frame that are ignored, and its missing calibration, to the warnings.
-fn state_frame(frame: &TargetFrame, has_zero_point: bool, warnings: &mut Vec<String>) {
-    let shown = frame.file.path().display();
-    warnings.extend(frame.left_out.iter().map(|(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}")));
-    if !has_zero_point {
-        warnings.push(format!(
-            "{shown}: no zero point: magnitudes are instrumental, -2.5 log10 of the counts; specify --zero-point or --stars"
-        ));
-    }
-    if frame.chips.iter().any(|target| target.electrons_per_unit.is_none()) {
-        let doubt = frame.doubtful_gain.as_ref().map(|doubt| format!(" ({doubt})")).unwrap_or_default();
-        warnings.push(format!(
-            "{shown}: the gain is unknown{doubt}: errors do not contain the photon noise of the streaks; specify --gain"
-        ));
-    }
-}
-
-/// Adds the zero point from stars, or the reason why there is none, to the remarks and warnings.
-fn state_stars(
-    chip: &str,
-    found: &StarZeroPoint,
-    optics: &Optics,
-    is_seeing_known: bool,
-    remarks: &mut Vec<String>,
-    warnings: &mut Vec<String>,
-) {
-    let counts = found.counts();
-    match (found.zero_point_mag, found.seeing_arcsec) {
-        (Some(Estimate { value, sigma }), seeing_arcsec) => {
-            let seeing = match seeing_arcsec {
-                Some(seeing) => format!("; FWHM {seeing:.2} arcsec"),
-                None => "; FWHM not measured, too few bright stars".to_owned(),
-            };
-            remarks.push(format!("{chip}: zero point {value:.3} +- {sigma:.3} mag; {counts}{seeing}"));
-        }
-        (None, _) => {
-            let allowed = if found.doubt.is_none() { "; allowed: 3 usable stars or more" } else { "" };
-            warnings.push(format!("{chip}: no zero point, magnitudes are instrumental; {counts}{allowed}"));
-        }
-    }
-    if let Some(seeing_arcsec) = found.seeing_arcsec.filter(|_| is_seeing_known)
-        && (seeing_arcsec / optics.seeing_arcsec).ln().abs() > (1.0 + SEEING_TOLERANCE).ln()
-    {
-        warnings.push(format!(
-            "{chip}: the FWHM of the stars is {seeing_arcsec:.2} arcsec, the given seeing {:.2} arcsec: magnitudes are \
-             biased; omit the seeing to use that of the stars",
-            optics.seeing_arcsec
-        ));
+/// Adds the rows of frames that cannot be used to the invalid ones, and returns those of the given frames.
+///
+/// # Errors
+/// The reason of the first given frame, if no frame is measured.
+fn leave_out(
+    failed: Vec<FrameError>,
+    given: &[PathBuf],
+    listed: &mut MeasuredTables,
+) -> Result<Vec<FrameError>, Error> {
+    let (unusable, of_rows): (Vec<FrameError>, Vec<FrameError>) =
+        failed.into_iter().partition(|(path, _)| given.contains(path));
+    // The rows that name a frame which cannot be used are invalid, not the request.
+    of_rows.iter().for_each(|(path, error)| listed.leave_out_rows_of(path, error));
+    match unusable.first() {
+        Some((_, first)) if listed.frames.is_empty() => Err(first.clone()),
+        _ => Ok(unusable),
     }
 }
 
@@ -499,20 +418,4 @@ fn other_site(own: Option<&HeaderSite>, site: &HeaderSite, of: &Path) -> Option<
         given,
         "one run for each site, or --site or --lat and --lon for all frames",
     ))
-}
-
-/// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.
-pub(super) fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, Error> {
-    let given = config.photometry()?;
-    let filter = frame.filter.as_deref().unwrap_or_default().trim();
-    let word = filter.split_whitespace().next().unwrap_or_default();
-    // `H alpha 656nm` is no infrared band.
-    let band = word.trim_end_matches('\'').parse::<Band>().ok().filter(|band| !band.is_infrared() || word == filter);
-    Ok(match band.filter(|_| config.light.band.is_none()) {
-        Some(band) => {
-            let system = if config.light.mag_system.is_some() { given.system } else { band.usual_system() };
-            PhotometryOptions { band, system, ..given }
-        }
-        None => given,
-    })
 }

@@ -32,6 +32,8 @@ mod mask;
 #[cfg(all(feature = "fits", unix))]
 mod measure;
 #[cfg(all(feature = "fits", unix))]
+mod measure_frame;
+#[cfg(all(feature = "fits", unix))]
 mod measured_tables;
 mod observation;
 mod paths;

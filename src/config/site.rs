@@ -13,7 +13,7 @@ use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Orientation};
 use crate::geometry::{EarthLimb, Observer, PointingLimits, Site};
 #[cfg(all(feature = "fits", unix))]
-use crate::images::{HeaderSite, SITE_KEYWORDS};
+use crate::images::{HeaderSite, SITE_KEYWORDS, UNNAMED_SITE};
 use crate::passes::{OrbitingObserver, Viewpoint};
 
 impl Config {
@@ -134,8 +134,8 @@ impl Config {
         Ok(self.viewpoint(moment)?.site().map_or(0.0, |observer| observer.site().longitude_rad))
     }
 
-    /// Returns the configuration with the site of the header of `frames` set, and a message that states it. Without such
-    /// a site, that of the home file remains.
+    /// Returns the configuration with the site of the header of `frames` set, and a message that states it. Without
+    /// such a site, that of the home file remains.
     ///
     /// # Errors
     /// There is no site.
@@ -180,7 +180,8 @@ impl Config {
             ..self.clone().without_limits()
         };
         let sense = remark.as_ref().map(|remark| format!("; {remark}")).unwrap_or_default();
-        Ok((config, Some(format!("site {} ({what}) from the header{sense}", site.name))))
+        let name = if site.name == UNNAMED_SITE { "" } else { &format!("{} ", site.name) };
+        Ok((config, Some(format!("site {name}({what}) from the header{sense}"))))
     }
 
     /// Returns the designator of a wanted number in the element sets of the satellites, if it is among several objects

@@ -258,7 +258,8 @@ impl<'a> Fields<'a> {
         Ok(())
     }
 
-    /// Returns the time of DECAY_DATE, or the end of its day if it has no time. Midnight is that of a date without a time.
+    /// Returns the time of DECAY_DATE, or the end of its day if it has no time. Midnight is that of a date without a
+    /// time.
     fn decayed(&self) -> Result<Option<hifitime::Epoch>, Error> {
         let Some(text) = self.get(Keyword::DecayDate) else { return Ok(None) };
         let (date, time) = text.trim().split_once(['T', ' ']).unwrap_or((text.trim(), ""));

@@ -79,8 +79,8 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
         name_in(&mut texts, &mut parsed);
         parsed.rejected.push((offset, Error::format("line 1 of an element set is not followed by its line 2")));
     } else {
-        // A file that is truncated after the name of a satellite has one line at its end, perhaps with the number of the
-        // next line.
+        // A file that is truncated after the name of a satellite has one line at its end, perhaps with the number of
+        // the next line.
         let is_number = |(_, line): &Placed| *line == b"1" || *line == b"2";
         let names = texts.len() - usize::from(texts.last().is_some_and(is_number));
         reject_fragments(&texts[..names], names == 1, &mut parsed);

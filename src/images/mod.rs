@@ -67,7 +67,9 @@ pub use wcs::Wcs;
 pub use self::{
     card::{Card, CardValue},
     detector::{Bleeding, Detector, Quantisation, ReadoutCorner, Saturated, Saturation},
-    exposure::{Calibration, CountBasis, ExposureTime, HeaderSite, PixelUnit, SITE_KEYWORDS, site_from_headers},
+    exposure::{
+        Calibration, CountBasis, ExposureTime, HeaderSite, PixelUnit, SITE_KEYWORDS, UNNAMED_SITE, site_from_headers,
+    },
     magnitude_limit::MagnitudeLimit,
     regions::{OUTLINES, Outline, parse_regions},
     streak_cost::{PossibleStreak, StreakCost},

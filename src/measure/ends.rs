@@ -39,8 +39,14 @@ impl Measuring<'_> {
         (0..2).filter(is_inside).collect()
     }
 
-    /// Returns the first and the last time at which a path is on illuminated pixels.
+    /// Returns the first and the last time at which a path is on illuminated pixels, or those of its whole exposure.
     pub(super) fn inside(&self, path: &StreakPath) -> [f64; 2] {
+        let nodes = path.nodes();
+        self.times_inside(path).unwrap_or([nodes[0].time_s, nodes[nodes.len() - 1].time_s])
+    }
+
+    /// Returns the first and the last time at which a path is on illuminated pixels; `None` if it never is.
+    pub(super) fn times_inside(&self, path: &StreakPath) -> Option<[f64; 2]> {
         const SAMPLES: usize = 2000;
         let nodes = path.nodes();
         let (from_s, to_s) = (nodes[0].time_s, nodes[nodes.len() - 1].time_s);
@@ -48,9 +54,7 @@ impl Measuring<'_> {
         let is_inside = |sample: &usize| {
             self.image.light_area.contains(path.point_at(time_s(*sample))) && path.rate_at(time_s(*sample)) > 0.0
         };
-        let first = (0..=SAMPLES).find(is_inside).unwrap_or(0);
-        let last = (0..=SAMPLES).rev().find(is_inside).unwrap_or(SAMPLES);
-        [time_s(first), time_s(last)]
+        Some([(0..=SAMPLES).find(is_inside)?, (0..=SAMPLES).rev().find(is_inside)?].map(time_s))
     }
 
     pub(super) fn fit_lateness(

@@ -61,7 +61,7 @@ const MEDIAN_SHARE: f64 = 0.4;
 const LEAST_BLOCKS: usize = 4;
 
 /// Parameters of a streak relative to its prediction.
-#[derive(Copy, Clone, Debug)]
+#[derive(Copy, Clone, Debug, Default)]
 pub(super) struct Shift {
     pub offset_pix: f64,
     pub tilt_rad: f64,
@@ -421,7 +421,11 @@ impl Measuring<'_> {
             None
         };
         let offset_sigma = offset_sigma(&band, &stars.mask, &drawn.template, &blocks, &amplitude) * noise_ratio;
-        let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
+        // The track of a streak that is not found is the predicted one.
+        let predicted = if is_detected { None } else { self.path(&Shift::default())? };
+        let missed = predicted.as_ref().and_then(|path| Some((path, self.times_inside(path)?)));
+        let (of_length, inside) = missed.unwrap_or((&drawn.path, inside));
+        let length_pix = of_length.point_at(inside[0]).distance(of_length.point_at(inside[1]));
         let size_sigma_ln =
             if is_detected { self.size_sigma_ln(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
         let (width_sigma_ln, brighter) = if options.fit_width && given_width {
@@ -435,7 +439,7 @@ impl Measuring<'_> {
         let sigma = sigma.hypot(size_sigma).hypot(form_sigma).hypot(width_sigma_ln * amplitude.value.abs());
         // The light of fitted ends is that of the time between the given ends.
         let (path, longer) = self.within_given_times(&drawn.path)?;
-        let inside = self.inside(&path);
+        let inside = missed.map_or_else(|| self.inside(&path), |(_, inside)| inside);
         let [rate, sigma, size_sigma, form_sigma] = [rate, sigma, size_sigma, form_sigma].map(|light| light * longer);
         Ok(Some(StreakMeasurement {
             is_detected,

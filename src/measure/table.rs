@@ -21,12 +21,22 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(Column::new("detected", Kind::Boolean, "True if the streak was found."), |pass| {
         pass.measured.is_detected.into()
     }),
-    TableField::new(Column::time("mid_utc", "Middle of the time in which the satellite is on the chip."), |pass| {
-        pass.epoch.into()
-    }),
-    TableField::new(Column::real("duration_s", "s", 4, "Time in which the satellite is on the chip."), |pass| {
-        pass.duration_s.into()
-    }),
+    TableField::new(
+        Column::time(
+            "mid_utc",
+            "Middle of the time in which the satellite is on the chip; by its prediction if it is not found.",
+        ),
+        |pass| pass.epoch.into(),
+    ),
+    TableField::new(
+        Column::real(
+            "duration_s",
+            "s",
+            4,
+            "Time in which the satellite is on the chip; by its prediction if it is not found.",
+        ),
+        |pass| pass.duration_s.into(),
+    ),
     TableField::new(Column::real("ra_deg", "deg", 6, "Right ascension at mid_utc (ICRS)."), |pass| {
         pass.direction.longitude_rad().to_degrees().into()
     }),

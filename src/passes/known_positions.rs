@@ -5,6 +5,7 @@ use std::sync::Arc;
 use hifitime::Epoch;
 use rayon::prelude::*;
 
+use super::altaz::AltAz;
 use super::exposure::Exposure;
 use super::field::Field;
 use super::predictability::{KnownLateness, Predictability, SatelliteLateness};
@@ -26,8 +27,8 @@ impl Sky {
         known
     }
 
-    /// Returns a warning if the position of a telescope in orbit is not known well enough at a time for the crossings of
-    /// a circle on the sky, such as that around a frame. `of` names what is searched in the circle.
+    /// Returns a warning if the position of a telescope in orbit is not known well enough at a time for the crossings
+    /// of a circle on the sky, such as that around a frame. `of` names what is searched in the circle.
     pub(crate) fn unknown_observer_warning(&self, of: &str, epoch: Epoch, radius_rad: f64) -> Option<String> {
         let (reason, _) = self.viewpoint().orbit()?.reason_unknown(epoch, radius_rad)?;
         Some(format!("{of}: {reason}: most predictions are wrong; specify elements of the telescope of that time"))
@@ -37,27 +38,22 @@ impl Sky {
     /// orbit; a field below the horizon of the site, or the Sun above it, which show that the time or the site is wrong.
     pub(crate) fn frame_warnings(&self, exposure: &Exposure, radius_rad: f64) -> Vec<String> {
         let of_observer = self.unknown_observer_warning(&exposure.id, exposure.start, radius_rad);
-        of_observer.into_iter().chain(self.wrong_header_warning(exposure, radius_rad)).collect()
+        of_observer.into_iter().chain(self.wrong_header_warning(exposure)).collect()
     }
 
-    fn wrong_header_warning(&self, exposure: &Exposure, radius_rad: f64) -> Option<String> {
-        let site = self.viewpoint().site()?;
+    fn wrong_header_warning(&self, exposure: &Exposure) -> Option<String> {
+        // The horizon is lower by refraction.
+        const HORIZON_DEG: f64 = -0.6;
         let middle = seconds_after(exposure.start, 0.5 * exposure.duration_s);
-        let (orientation, sun) = self.almanac_over(middle, seconds_after(middle, 1.0));
-        let altitude_rad =
-            self.viewpoint().pointing_altitude_rad(&exposure.pointing, middle, &orientation.at_s(0.0)).ok()?;
-        let sun_rad = site.sun_altitude_rad(&orientation, &sun, 0.0);
-        let what = if altitude_rad < -radius_rad {
-            format!("the field is {:.1} deg below the horizon", -altitude_rad.to_degrees())
-        } else if sun_rad > 0.0 {
-            format!("the Sun is {:.1} deg above the horizon", sun_rad.to_degrees())
-        } else {
-            return None;
-        };
+        let altitude_deg = |found: Result<AltAz, Error>| found.ok().map(|altaz| altaz.altitude_rad.to_degrees());
+        let of_field =
+            || altitude_deg(self.pointing_altaz(&exposure.pointing, middle)).filter(|deg| *deg < HORIZON_DEG);
+        let of_sun = || altitude_deg(self.sun_altaz(middle)).filter(|deg| *deg > HORIZON_DEG);
+        let (what, deg) =
+            of_field().map(|deg| ("the middle of the frame", deg)).or_else(|| Some(("the Sun", of_sun()?)))?;
         Some(format!(
-            "{}: {what} of {} in the middle of the exposure: the time or the site of the frame is wrong; specify them",
-            exposure.id,
-            self.viewpoint().name()
+            "{}: {what} is at an altitude of {deg:.1} deg: the start or the site is wrong, perhaps a local time",
+            exposure.id
         ))
     }
 

@@ -323,6 +323,98 @@ fn invalid_input_is_named() {
     assert!(code == 2 && stderr.contains("missing frames"), "{stderr}");
 }
 
+/// One of several frames whose pixels, mask or band cannot be used is left out like one that cannot be opened. Alone it is
+/// an error.
+#[test]
+fn frames_that_fail_while_they_are_measured_are_left_out() {
+    use std::path::Path;
+    use streakcast::images::{Card, CardValue, FrameFile, ImageValues, NewImage, Pixels, Rice, write_frame};
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let file = FrameFile::open(Path::new(&frame)).unwrap();
+    let values: Vec<f32> = file.read_plane(0).unwrap().values().to_vec();
+    let values = ImageValues::new(400, Pixels::F32(values.into())).unwrap();
+    let bits: Vec<u8> = (0u32..400 * 300).map(|at| u8::from(at.wrapping_mul(2_654_435_761) < 1 << 28)).collect();
+    let mask = ImageValues::new(400, Pixels::U8(bits.into())).unwrap();
+    // Damages the compressed data of the last image.
+    let damaged = |name: &str, mask: Option<&ImageValues<'_>>, filter: &str| {
+        let mut cards = file.header(0).unwrap().cards().to_vec();
+        cards.retain(|card| card.keyword() != "FILTER");
+        cards.extend(Card::with_value("FILTER", &CardValue::Text(filter.into()), ""));
+        let rice = Some(Rice::default());
+        let mut images = vec![NewImage { name: "SCI", values: &values, cards: &cards, rice }];
+        images.extend(mask.map(|values| NewImage { name: "MASK", values, cards: &[], rice }));
+        let path = path(&folder, name);
+        write_frame(Path::new(&path), &images).unwrap();
+        path
+    };
+    let spoil = |path: &str| {
+        let mut bytes = fs::read(path).unwrap();
+        let end = bytes.len() - 4000;
+        bytes[end - 6000..end].fill(0xff);
+        fs::write(path, bytes).unwrap();
+    };
+    let (pixels, plane) = (damaged("pixels.fits.fz", None, "V"), damaged("plane.fits.fz", Some(&mask), "V"));
+    spoil(&pixels);
+    spoil(&plane);
+    let other_band = damaged("other.fits.fz", None, "Ks");
+    let stars = path(&folder, "stars.csv");
+    fs::write(&stars, "ra_deg,dec_deg,mag,band\n198.9,7.7,12,V\n").unwrap();
+    let missing = path(&folder, "missing.fits");
+    let flags = ["--seeing", "90arcsec", "--format", "json"];
+    let by_stars = ["--stars", &stars];
+    for (bad, words, more) in [
+        (&pixels, "CFITSIO: damaged compressed data", &[][..]),
+        (&plane, "CFITSIO: damaged compressed data", &[]),
+        (&other_band, "is 'Ks'; allowed: V", &by_stars),
+    ] {
+        let satellites = &SATELLITES[..SATELLITES.len() - 1];
+        let measured = |frames: &[&str]| run(&[&["measure"], frames, satellites, &flags, more]);
+        let (code, _, stderr) = measured(&[bad]);
+        assert!(code == 2 && stderr.contains(words) && !stderr.contains("left out"), "{stderr}");
+        let good = damaged("good.fits.fz", None, "V");
+        let (code, stdout, stderr) = measured(&[bad, &good, &missing, bad]);
+        let document: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        let rows = document["measurements"].as_array().unwrap();
+        assert!(code == 0 && !rows.is_empty() && rows.iter().all(|row| row["image"] == good.as_str()), "{stderr}");
+        assert_eq!(document["provenance"]["options"]["frames"], serde_json::json!([good]));
+        let named = |file: &str| {
+            let begin = format!("warning: {file}: ");
+            stderr.lines().filter(|line| line.starts_with(&begin) && line.ends_with("; the frame is left out")).count()
+        };
+        assert_eq!((named(bad), named(&missing), named(&good)), (2, 1, 0), "{stderr}");
+        let (code, _, stderr) = measured(&[bad, bad]);
+        assert!(code == 2 && stderr.lines().last().unwrap().contains(words), "{stderr}");
+    }
+    // `mask` writes nothing.
+    let polygons = path(&folder, "polygons.json");
+    let words = ["mask", &frame, &pixels, "--seeing", "90arcsec", "--polygons", &polygons];
+    let (code, _, _) = run(&[&words, SATELLITES]);
+    assert!(code == 2 && !Path::new(&polygons).exists());
+}
+
+/// A frame below the horizon of the site, or by day, has a wrong start or a wrong site.
+#[test]
+fn frames_below_the_horizon_and_by_day_have_a_warning() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let polygons = path(&folder, "polygons.json");
+    for (start, words) in [
+        ("2026-08-14T23:29:05Z", ""),
+        ("2026-08-14T10:00:00Z", "the middle of the frame is at an altitude of -"),
+        ("2026-08-14T15:00:00Z", "the Sun is at an altitude of "),
+    ] {
+        for verb in [&["measure"][..], &["mask", "--zero-point", "20", "--polygons", &polygons]] {
+            let flags = ["--shells", "starlink-gen1", "--mpc", "X05", "--seeing", "90arcsec", "--start", start];
+            let (code, _, stderr) = run(&[verb, &[&frame], &flags]);
+            let begin = format!("warning: {frame}: ");
+            let line = stderr.lines().find(|line| line.starts_with(&begin) && line.contains("at an altitude of"));
+            assert_eq!(line.is_some(), !words.is_empty(), "{verb:?} {start}: {stderr}");
+            assert!(code < 2 && line.unwrap_or_default().contains(words), "{verb:?} {start}: {stderr}");
+        }
+    }
+}
+
 /// Without a given site, all frames of a run are at one site. Frames of another one, of no site, and of years without an
 /// ephemeris are left out by `measure`, and an error of `mask`.
 #[test]

@@ -111,6 +111,98 @@ fn chips_are_frames_and_planes_belong_to_their_chip() {
     assert_eq!((found.frames.as_slice(), found.companions[0].of), (&[1][..], Some(1)));
 }
 
+/// Masks without world coordinates belong to the chip of their number, of their EXTVER or of their place in the file; those
+/// for which nothing decides are named.
+#[test]
+fn planes_without_coordinates_belong_to_a_chip_or_are_named() {
+    let version = |number: i64, text: String| format!("{text}EXTVER  = {number}\n");
+    let chip = |name, shift: f64| (name, version(1, sky(10.0 + shift)));
+    let mask = |name, number| (name, version(number, String::new()));
+    let none = |name| (name, String::new());
+    let of = |images: &[(&str, String)]| {
+        let found = roles(images).expect("roles");
+        let of: Vec<Option<usize>> = found.companions.iter().map(|plane| plane.of).collect();
+        (of, found.summary().expect("a line"))
+    };
+    let (one, two) = (|| chip("CCD1", 0.0), || chip("CCD2", 0.1));
+    for images in [
+        vec![one(), two(), mask("BPM", 1), mask("BPM", 2)],
+        vec![one(), two(), none("BPM"), none("BPM")],
+        vec![one(), two(), mask("BPM1", 1), mask("BPM2", 1)],
+        vec![one(), two(), mask("MASK_CCD1", 1), mask("MASK_CCD2", 1)],
+        vec![one(), none("DQ"), two(), none("DQ")],
+        vec![none("DQ"), one(), none("DQ"), two()],
+        vec![chip("SCI", 0.0), ("SCI", version(2, sky(10.1))), mask("VAR", 1), mask("VAR", 2)],
+    ] {
+        let frames = roles(&images).expect("roles").frames;
+        let (of, line) = of(&images);
+        assert_eq!(of, [Some(frames[0]), Some(frames[1])], "{images:?}");
+        assert!(!line.contains("unknown"), "{line}");
+    }
+    // The order of the EXTVER, not of the HDUs.
+    assert_eq!(of(&[one(), two(), mask("BPM", 2), mask("BPM", 1)]).0, [Some(1), Some(0)]);
+    // World coordinates before the EXTVER.
+    assert_eq!(of(&[one(), two(), ("BPM", version(1, sky(10.1)))]).0, [Some(1)]);
+    // One mask for two chips; a map that is not used in any case is not named.
+    for (name, is_named) in [("BPM", true), ("VAR", true), ("COVERAGE", false)] {
+        let (of, line) = of(&[one(), two(), none(name)]);
+        assert_eq!(of, [None]);
+        let words = format!("; frame unknown, not used: HDU 2 ({name})");
+        assert_eq!(line.ends_with(&words), is_named, "{line}");
+    }
+}
+
+/// Masks of the template of a difference are not those of the frame.
+#[test]
+fn planes_of_other_images_are_not_used() {
+    for (names, unused) in [
+        (&["SCI", "SCI_MASK", "REF", "REF_MASK"][..], 3),
+        (&["SCI", "REF_BPM", "MASK", "REF"], 1),
+        (&["SCI", "MASK", "SUBTRACTED", "SUBTRACTED_BPM"], 3),
+        (&["SCI", "MASK", "TEMPLATE_MASK"], 2),
+    ] {
+        let images: Vec<(&str, String)> = names.iter().map(|name| (*name, sky(10.0))).collect();
+        let found = roles(&images).expect("roles");
+        let mut used = found.companions.iter().map(|plane| (plane.of == Some(0)) == (plane.hdu != unused));
+        assert!(used.all(|is_right| is_right), "{:?}", found.companions);
+        let line = found.summary().expect("a line");
+        assert!(line.contains(&format!("; frame unknown, not used: HDU {unused} (")), "{line}");
+    }
+    // The mask of the reference image is that of the frame if the frame is the reference image.
+    let found = roles(&[("REF", sky(10.0)), ("REF_MASK", sky(10.0))]).expect("roles");
+    assert_eq!((found.frames[0], found.companions[0].of), (0, Some(0)));
+}
+
+/// Reads and amplifiers with one sky are frames, which is stated.
+#[test]
+fn frames_with_one_sky_are_stated() {
+    let version = |number: i64, ra_deg: f64| format!("{}EXTVER  = {number}\n", sky(ra_deg));
+    let reads =
+        roles(&[("SCI", version(1, 10.0)), ("SCI", version(2, 10.0)), ("SCI", version(3, 10.0))]).expect("roles");
+    let line = reads.summary().expect("a line");
+    assert!(
+        line.contains("the frames are HDU 0, 1, 2; HDU 1, 2 with the world coordinates of an earlier frame"),
+        "{line}"
+    );
+    let chips = roles(&[("SCI", version(1, 10.0)), ("SCI", version(2, 10.1))]).expect("roles");
+    assert_eq!(chips.summary(), None);
+}
+
+/// Files whose header says that all their images are masks or weights have no frames.
+#[test]
+fn products_of_archives_that_are_no_frames() {
+    for cards in
+        ["PRODTYPE= 'dqmask'\n", "PRODTYPE= 'wtmap'\n", "PRODCATG= 'ANCILLARY.WEIGHTMAP'\n", "OBSTYPE = 'BPM'\n"]
+    {
+        let found = roles(&[("", sky(10.0) + cards), ("S29", sky(10.1))]).expect("roles");
+        assert!(found.frames.is_empty() && found.companions.len() == 2, "{cards}");
+    }
+    for cards in ["PRODTYPE= 'image'\n", "PRODCATG= 'SCIENCE.IMAGE'\n", "OBSTYPE = 'EXPOSE'\n"] {
+        assert_eq!(roles(&[("", sky(10.0) + cards), ("S29", sky(10.1))]).expect("roles").frames, [0, 1], "{cards}");
+    }
+    assert!(roles(&[("APERTURE", sky(10.0))]).expect("roles").frames.is_empty());
+}
+
 /// A binned copy, a background on a coarser grid, a stamp of stars and a shifted difference overlap the frame; a second
 /// exposure of the same sky has a start of its own.
 #[test]

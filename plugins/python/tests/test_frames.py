@@ -255,6 +255,7 @@ def test_invalid_frames_are_named(model):
         (ValueError, raw, {}, "do_not_scale_image_data"),
         (TypeError, ccd(image.astype("complex64")), {}, "allowed: two axes of float32, float64, or integers within the range of int32"),
         (ValueError, fits.HDUList([fits.PrimaryHDU()]), {}, "frame"),
+        (ValueError, fits.HDUList(), {}, "frame is an HDUList without HDUs; allowed: one with an image"),
         (ValueError, None, {}, r"frame has the shape \(\)"),
     ]:
         for verb in (streakcast.inject, model.mask, model.measure):
@@ -263,6 +264,8 @@ def test_invalid_frames_are_named(model):
                 continue
             with pytest.raises(error, match=message):
                 verb(frame, **options, **more)
+    with pytest.raises(ValueError, match=r"frames\[1\] is an HDUList without HDUs"):
+        model.measure([fits.PrimaryHDU(image, header()), fits.HDUList()])
     with pytest.raises(ValueError, match="output is given for an array"):
         streakcast.inject(ccd(), "x.fits", **STREAKS)
     with pytest.raises(ValueError, match="header is given without frame"):

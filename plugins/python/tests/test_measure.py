@@ -253,6 +253,24 @@ def test_streaks_of_tables_are_identified_as_on_the_command_line(frame, model, c
     assert list(model.measure([], streaks=named, table="dict").table["norad_id"]) == numbers
 
 
+def test_damaged_frames_of_several_are_left_out(frame, model, tmp_path):
+    from astropy.io import fits
+
+    path = tmp_path / "damaged.fits.fz"
+    with fits.open(frame[0]) as hdus:
+        fits.HDUList([fits.PrimaryHDU(), fits.CompImageHDU(hdus[0].data, hdus[0].header)]).writeto(path)
+    content = bytearray(path.read_bytes())
+    content[-10000:-4000] = b"\xff" * 6000
+    path.write_bytes(content)
+    alone = model.measure(frame[0], seeing="90arcsec", table="dict").table
+    found, warned = messages(lambda: model.measure([path, frame[0]], seeing="90arcsec", table="dict"))
+    assert list(found.table["norad_id"]) == list(alone["norad_id"]) and len(alone["norad_id"]) > 0
+    begin = f"{path}: CFITSIO: damaged compressed data"
+    assert sum(text.startswith(begin) and text.endswith("; the frame is left out") for text in warned) == 1, warned
+    with pytest.raises(streakcast.StreakcastError, match="damaged compressed data"):
+        model.measure(path, seeing="90arcsec")
+
+
 def test_rows_that_cannot_be_used_have_warnings(frame, model):
     path, truth = frame
     good = {**streak_rows(truth)[0], "id": "good"}

@@ -119,6 +119,9 @@ const ZERO_POINTS: &[(&str, Option<CountBasis>)] = &[
     ("ZEROPT", None),
 ];
 
+/// AB magnitudes of units of flux density: 8.9 of one jansky.
+const JANSKY_MAGS: &[(&str, f64)] = &[("nJy", 31.4), ("uJy", 23.9), ("mJy", 16.4), ("Jy", 8.9)];
+
 /// Magnitude of one nanomaggy (SDSS, Legacy Surveys).
 const NANOMAGGY_MAG: f64 = 22.5;
 
@@ -206,6 +209,16 @@ const SETTING_CAMERAS: &[&str] = &[
     "touptek",
     "altair",
     "svbony",
+    "sv",
+    "moravian",
+    "seestar",
+    "vespera",
+    "stellina",
+    "mallincam",
+    "bresser",
+    "basler",
+    "flir",
+    "blackfly",
     "player",
     "poseidon",
     "atr3",
@@ -244,7 +257,7 @@ const GAIN_SLACK: f64 = 0.05;
 fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     let positive = |number: f64| number > 0.0;
     // EGAIN of SharpCap is that of the detector's own bits, and EGAINSAV that of the pixels.
-    let names = ["EGAINSAV", "EGAIN", "GAIN", "CCDGAIN"];
+    let names = ["EGAINSAV", "EGAIN", "GAIN", "CCDGAIN", "ESO DET OUT1 CONAD"];
     let Some((keyword, value, comment)) = keywords.number(&names, positive) else {
         let pair = of_amplifiers(keywords, &[], &["GAINA", "GAINB"], mean);
         return match pair {
@@ -266,6 +279,11 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         "adu/photo",
         "count/photo",
         "counts/photo",
+        "electronstoadu",
+        "electrontoadu",
+        "e-toadu",
+        "electronstodn",
+        "e-todn",
     ]
     .iter()
     .any(|words| joined.contains(words));
@@ -282,7 +300,7 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         let is_of = |word: &str, camera: &str| {
             word.strip_prefix(camera).is_some_and(|rest| match camera {
                 // Names of cameras have a number, as ASI294MM; other words begin like this.
-                "asi" => rest.starts_with(|mark: char| mark.is_ascii_digit()),
+                "asi" | "sv" => rest.starts_with(|mark: char| mark.is_ascii_digit()),
                 // Sensors of Sony are also in the cameras of observatories.
                 "sony" => keyword != "DETECTOR",
                 _ => true,
@@ -291,6 +309,13 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         lower.split_whitespace().any(|word| SETTING_CAMERAS.iter().any(|camera| is_of(word, camera)))
     });
     let is_setting = is_setting || (is_camera && keyword == "GAIN");
+    let is_of_sharpcap = || {
+        let texts = CAMERAS.iter().filter_map(|keyword| keywords.text(&[keyword]));
+        texts.into_iter().any(|(_, text)| text.to_ascii_lowercase().contains("sharpcap"))
+    };
+    if keyword == "EGAIN" && is_of_sharpcap() {
+        return Err(format!("{keyword} is {value}, in SharpCap that of the bits of the detector"));
+    }
     if words.has_pair("bit", "depth") && keyword != "EGAINSAV" {
         return Err(format!("{keyword} is {value} ({}): perhaps not of the pixels of this file", words.text()));
     }
@@ -299,7 +324,10 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
             "{keyword} is {value}, and {multiplication} is {factor}: with or without the multiplication"
         ));
     }
-    if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
+    // "[e-]" does not tell electrons per count from a number of electrons.
+    let is_per_count =
+        is_inverse || has_unit && ["/", "per", "adu", "dn", "count"].iter().any(|sign| joined.contains(sign));
+    if !has_unit && is_setting || !is_per_count && value > LARGEST_GAIN_E {
         return Err(doubt(&keyword, value, &comment));
     }
     // "GAIN = 1.0 / e-/ADU" beside EGAIN; a GAIN without a unit is that of the camera.
@@ -337,6 +365,10 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         keywords.text(&["BUNIT"]).map(|(_, unit)| unit.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
     if unit == "nanomaggy" || unit == "nanomaggies" || unit == "nmgy" {
         return Some(of_frame(NANOMAGGY_MAG, "BUNIT".to_owned()));
+    }
+    let stated_unit = keywords.text(&["BUNIT"]).map(|(_, unit)| unit).unwrap_or_default();
+    if let Some((_, mag)) = JANSKY_MAGS.iter().find(|(unit, _)| *unit == stated_unit.trim()) {
+        return Some(of_frame(*mag, "BUNIT".to_owned()));
     }
     // The LSST pipelines write the counts of a source of magnitude 0 instead of a zero point.
     if let Some((keyword, flux, _)) = keywords.number(&["FLUXMAG0"], |flux| flux > 0.0) {

@@ -1,30 +1,25 @@
 //! Start and duration of an exposure, from the keywords of many observatories.
 
-use hifitime::{Epoch, TimeScale, TimeUnits};
+use hifitime::{Epoch, TimeUnits};
 
 use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 
-use super::super::card::CardValue;
 use super::super::header::Header;
 use super::comment::{AGREED_S, Comment, Role};
-use super::instant_keywords::{DATES, MODIFIED_DATES, NAMED_STARTS, OTHER_DATES};
+use super::instant_keywords::names_start;
 use super::instants::{Instant, Instants, unreadable};
 use super::length::{Length, STATED_S, length, stated_s};
-use super::moment::{DateText, Keywords, is_spelling, parse_date};
-use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
-use super::stacks::REMARKS;
-
-/// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
-const START_SLACK_S: f64 = 1.0;
+use super::moment::Keywords;
+use super::scale::{APPROXIMATE, scale, scale_name, timesys};
+use super::start_doubts::{
+    SHIFT_SLACK, START_SLACK_S, Start, about_times, comments_of, of_day_number, of_other_date, other_parts,
+    same_as_local, sidereal, states_start, written_early, zone,
+};
 
 /// Error of the difference of two times with the same digits, seconds. One by a whole last digit is no rounding.
 const EXACT_S: f64 = 0.01;
-
-/// Accepted shift of the middle or the end of the exposure by shutters and overheads, as a fraction of the exposure
-/// time.
-const SHIFT_SLACK: f64 = 0.1;
 
 /// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
 const LOOSE_END_S: f64 = 60.0;
@@ -35,43 +30,15 @@ const READOUT_SHARE: f64 = 0.25;
 /// them approximate, seconds.
 const LOOSE_START_S: f64 = 10.0;
 
+/// Largest difference of a number of days from clocks that agree with each other and with the end, seconds.
+const OUTVOTED_S: f64 = 300.0;
+
 /// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
 /// 4.3 s, and times without seconds have 60 s.
 const COARSE_S: f64 = 10.0;
 
-/// Word of TIMESYS for a clock that is not exactly in the scale (`UTC approximate` in the keyword dictionary of NOAO,
-/// <https://iraf.noao.edu/projects/mosaic/imagedef/mosaic/MosaicV1.dic>).
-const APPROXIMATE: &str = "APPROXIMATE";
-
-/// Keywords of the time scale.
-const SCALES: &[&str] = &["TIME-SYS", "TIMESCAL"];
-
-/// Beginnings of keywords of the zone of a local time or its offset from universal time, without hyphens.
-const ZONES: &[&str] = &["TIMEZON", "TZN", "TZO", "UTOFF", "UTCOFF", "GMTOFF", "UTCDIF"];
-
-/// Keywords of summer time, beginnings of others, and texts with which they state it.
-const SUMMER_TIMES: &[&str] = &["DST", "DAYLTSAV"];
-const SUMMER_TIME_STEMS: &[&str] = &["DAYLIGHT", "SUMMERT"];
-const YES: &[&str] = &["T", "Y", "YES", "ON", "TRUE"];
-
-/// Beginnings of keywords of the clock, whose value may be "local".
-const CLOCKS: &[&str] = &["CLOCK", "CLK", "TIMETYP", "TIMEBAS", "TIMESRC"];
-
-/// Keywords of errors of times, and of an offset (FITS standard 4.0, section 9.4).
-const TIME_ERRORS: &[&str] = &["TIMEOFFS", "TIMSYER", "TIMRDER"];
-
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
-
-/// Beginnings of names of cameras whose clock is set by hand, often to local time.
-const HAND_SET_CAMERAS: &[&str] = &["canon", "nikon", "pentax", "fujifilm", "olympus", "dslr"];
-
-/// Time within which the first and the last exposure of a stack are expected. Dates farther away concern something
-/// else.
-const LONGEST_STACK_S: f64 = 30.0 * DAY_S;
-
-/// Longitude within which the zone of a site may be that of universal time, degrees.
-const ZERO_ZONE_DEG: f64 = 22.5;
 
 /// Start and duration of an exposure.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,15 +59,6 @@ pub struct ExposureTime {
 /// Keywords that can give the start, for errors.
 const START_KEYWORDS: &str =
     "DATE-BEG, DATE-OBS with a time in it or in TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS, JD, ..., or --start";
-
-/// Start with the keyword that gave it, and the rounding error of its digits.
-struct Start {
-    epoch: Epoch,
-    from: String,
-    slack_s: f64,
-    /// Last digit of the seconds as written, seconds.
-    step_s: f64,
-}
 
 impl ExposureTime {
     /// Reads the exposure from the headers of a frame, given in the order of precedence: first the header of the image,
@@ -135,8 +93,27 @@ impl ExposureTime {
             Some(start) => (start, GIVEN.to_owned()),
             None => self::start(keywords, duration_s, &mut remarks).map(|start| (start.epoch, start.from))?,
         };
+        remarks.extend(other_value(keywords, &duration_from, "--exposure"));
+        remarks.extend(other_value(keywords, &start_from, "--start"));
         Ok(Self { start, duration_s, start_from, duration_from, remarks })
     }
+}
+
+/// Returns a sentence about a keyword with another value in the primary header than in that of the image.
+fn other_value(keywords: Keywords<'_>, from: &str, flag: &str) -> Option<String> {
+    let name = from.split(" + ").next()?.split(" - ").next()?;
+    let shown = |header: &&Header| header.number(name).map(|number| number.to_string()).or_else(|| header.text(name));
+    let mut values = keywords.0.iter().filter_map(shown);
+    let (first, other) = (values.next()?, values.next()?);
+    // A date without a time and one with a time are no contradiction.
+    let are_numbers = [&first, &other].iter().all(|text| text.parse::<f64>().is_ok());
+    let is_other = first != other && (are_numbers || !first.starts_with(&other) && !other.starts_with(&first));
+    is_other.then(|| {
+        format!(
+            "{name} is {first} in the header of the image, which is used, and {other} in the primary header: for the latter \
+             specify {flag}"
+        )
+    })
 }
 
 /// Returns the exposure time, seconds, and its keyword, after comparing it with the keywords of the end.
@@ -214,54 +191,6 @@ fn instants(keywords: Keywords<'_>) -> Result<Instants, Error> {
     Instants::read(keywords, scale, is_stated)
 }
 
-/// Returns the time scale of dates, which is given by TIMESYS, and whether it is given.
-fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
-    let stated = scales(keywords);
-    let Some((keyword, value)) = stated.first() else { return Ok((TimeScale::UTC, false)) };
-    let scale = known_scale(value).ok_or_else(|| unreadable(keyword.clone(), value, "UTC, TAI, TT, TDB or GPS"))?;
-    if let Some((other, name)) = stated.iter().find(|(_, name)| known_scale(name).is_some_and(|other| other != scale)) {
-        let given = format!("{value:?}, and {other} is {name:?}");
-        return Err(Error::invalid(keyword.clone(), given, "one time scale, or --start"));
-    }
-    Ok((scale, true))
-}
-
-fn known_scale(value: &str) -> Option<TimeScale> {
-    match scale_name(value).as_str() {
-        "UTC" | "UT" | "UT1" | "GMT" => Some(TimeScale::UTC),
-        "TAI" | "IAT" => Some(TimeScale::TAI),
-        "TT" | "TDT" | "ET" => Some(TimeScale::TT),
-        "TDB" => Some(TimeScale::TDB),
-        "GPS" => Some(TimeScale::GPST),
-        // "Coordinated Universal Time"
-        _ => (Comment::new(value).is_universal() && !Comment::new(value).is_local()).then_some(TimeScale::UTC),
-    }
-}
-
-/// Returns the keywords of the scale with their values, from the header with the dates if it has some there. TIMESCAL
-/// may have another meaning ("linear").
-fn scales(keywords: Keywords<'_>) -> Vec<(String, String)> {
-    let of = |keywords: Keywords<'_>| -> Vec<(String, String)> {
-        let names = SCALES.iter().flat_map(|name| keywords.spellings(name));
-        let texts = names.filter_map(|name| keywords.text(&[&name]));
-        texts.filter(|(name, text)| name != SCALES[1] || known_scale(text).is_some()).collect()
-    };
-    let mut headers = keywords.0.iter().map(|header| Keywords(std::slice::from_ref(header)));
-    let of_dates = headers.find(|header| DATES.iter().chain(MODIFIED_DATES).any(|name| header.find(name).is_some()));
-    of_dates.map(of).filter(|scales| !scales.is_empty()).unwrap_or_else(|| of(keywords))
-}
-
-/// Returns TIMESYS and its value.
-fn timesys(keywords: Keywords<'_>) -> Option<(String, String)> {
-    scales(keywords).into_iter().next()
-}
-
-/// Returns the name of a time scale without its realisation, as in `TT(TAI)`, and without `approximate` (NOAO).
-fn scale_name(value: &str) -> String {
-    let name = value.split('(').next().unwrap_or_default().trim().to_ascii_uppercase();
-    name.strip_suffix(APPROXIMATE).unwrap_or(&name).trim_end().to_owned()
-}
-
 /// Returns the start with the highest precedence, after checking that all instants in the header agree.
 fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> Result<Start, Error> {
     let mut instants = instants(keywords)?;
@@ -279,6 +208,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let is_read_early = other.is_loose && other.role == Role::Middle && states_start(keywords, &first);
         let early_s = early_s + if is_read_early { duration_s / 2.0 } else { 0.0 };
         let late_s = if other.is_loose || other.is_loose_clock { LOOSE_END_S + duration_s } else { 0.0 };
+        // The command to open the shutter, and its opening (MegaPrime of the CFHT).
+        let late_s = late_s + if other.from.starts_with("SHUT") { LOOSE_START_S } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
             0.0
@@ -289,6 +220,17 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let digits_s = first.slack_s + other.slack_s;
         let clock_s = if approximate.is_some() { LOOSE_START_S } else { 0.0 };
         let slack_s = START_SLACK_S + digits_s + shift_s + clock_s;
+        if is_outvoted(&instants, &first, other, duration_s) {
+            remarks.push(format!(
+                "the start is that of {}, with which another clock and the end agree; {} gives one {:.1} s {}; for another one \
+                 specify --start",
+                first.from,
+                other_start.from,
+                difference_s.abs(),
+                if difference_s > 0.0 { "later" } else { "earlier" }
+            ));
+            continue;
+        }
         if !(-slack_s - early_s..=slack_s + late_s).contains(&difference_s) {
             let scale = scale(keywords)?.0;
             let [first_start, second_start] =
@@ -342,6 +284,10 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         ));
     }
     remarks.extend(created);
+    let readings = instants.readings.iter().filter(|(from, _)| first.from.split(" - ").next() == Some(from));
+    remarks.extend(readings.map(|(_, sentence)| format!("{sentence}; for another start specify --start")));
+    remarks.extend(of_day_number(keywords, &first));
+    remarks.extend(sidereal(keywords, &first, duration_s));
     remarks.extend(of_other_date(keywords, &first));
     remarks.extend(written_early(keywords, &first, duration_s));
     remarks.extend(about_times(keywords, &first));
@@ -351,6 +297,41 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         approximate.map(|(keyword, name)| format!("{keyword} is {name:?}: times are read as {}", scale_name(&name))),
     );
     Ok(first)
+}
+
+/// Returns true if a number of days differs by some seconds or minutes from the start of a clock, with which another
+/// clock and the end of the exposure agree, as in headers of Gemini.
+fn is_outvoted(instants: &Instants, first: &Start, other: &Instant, duration_s: f64) -> bool {
+    let is_days = |instant: &Instant| instant.value.parse::<f64>().is_ok_and(|days| days > 1e4);
+    let late_s = |instant: &Instant| seconds_between(first.epoch, start_of(instant, duration_s).epoch);
+    if !is_days(other) || !(STATED_S..OUTVOTED_S).contains(&late_s(other).abs()) {
+        return false;
+    }
+    let agrees = |instant: &&Instant| {
+        !is_days(instant)
+            && late_s(instant).abs() <= START_SLACK_S + first.slack_s + instant.slack_s
+            && first.from.split(" - ").next().is_none_or(|from| from != instant.from)
+    };
+    let others: Vec<&Instant> = instants.found.iter().filter(agrees).collect();
+    let has = |role: Role| others.iter().any(|instant| instant.role == role);
+    has(Role::Start) && has(Role::End)
+}
+
+/// Replaces a start in whole seconds by one of the same second in another keyword with more digits.
+fn use_finer(instants: &Instants, start: &mut Start) {
+    if start.step_s < 1.0 || start.slack_s > AGREED_S || names_start(&start.from) {
+        return;
+    }
+    let is_finer = |other: &&Instant| {
+        let is_start = other.role == Role::Start && !other.is_loose && !other.is_loose_clock;
+        let late_s = seconds_between(start.epoch, other.epoch);
+        let is_same_second = (AGREED_S..1.0).contains(&late_s) || (-0.5..-AGREED_S).contains(&late_s);
+        is_start && other.step_s() < 1.0 && other.slack_s <= AGREED_S && is_same_second
+    };
+    if let Some(finer) = instants.found.iter().find(is_finer) {
+        (start.epoch, start.from) = (finer.epoch, finer.from.clone());
+        (start.slack_s, start.step_s) = (finer.slack_s, finer.step_s());
+    }
 }
 
 /// Returns the start with the highest precedence: a keyword of the start, then of the middle, then of the end.
@@ -379,6 +360,9 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
         let known = &*instants;
         first = order[1..].iter().find_map(|choice| find(known, *choice));
     }
+    if let Some(start) = &mut first {
+        use_finer(instants, start);
+    }
     if let Some(error) = instants.unusable(first.as_ref().map(|start| start.epoch)) {
         return Err(error);
     }
@@ -392,186 +376,6 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
     };
     let missing = || Error::invalid("start of the exposure", "missing", START_KEYWORDS);
     first.ok_or_else(|| coarse().or(instants.day_alone.take()).unwrap_or_else(missing))
-}
-
-/// Returns the error of a start that is the same reading of the clock as a local time, unless the zone may be that of
-/// universal time.
-fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<Error> {
-    let seconds_of_day = |epoch: Epoch| {
-        let (.., hours, minutes, seconds, nanoseconds) = epoch.to_gregorian_utc();
-        3600.0 * f64::from(hours) + 60.0 * f64::from(minutes) + f64::from(seconds) + 1e-9 * f64::from(nanoseconds)
-    };
-    let clock_s = seconds_of_day(start.epoch);
-    let (name, _) = instants.local_clocks.iter().find(|(_, local_s)| (local_s - clock_s).abs() < START_SLACK_S)?;
-    let longitude_deg = site_from_headers(keywords.0).ok().flatten().map(|found| found.site.longitude_rad.to_degrees());
-    let longitude_deg = longitude_deg.or_else(|| longitude_of_unknown_sense_deg(keywords));
-    let is_zero_zone = keywords.number(&["TIMEZONE", "TIME-ZONE"], |_| true).map(|(_, hours, _)| hours == 0.0);
-    // Without zone and longitude, a header that states UTC is believed: the clock of the computer was in UTC.
-    let is_zero_zone = is_zero_zone.or(longitude_deg.map(|deg| deg.abs() < ZERO_ZONE_DEG));
-    if is_zero_zone.unwrap_or_else(|| states_utc(keywords, start)) {
-        return None;
-    }
-    let given =
-        format!("{}, the same reading of the clock as the local time {name}", start.epoch.round(1.milliseconds()));
-    let allowed = "a start in UTC and a local time of another zone, a site, TIMEZONE = 0, or --start";
-    Some(Error::invalid(format!("start of {}", start.from), given, allowed))
-}
-
-/// Returns the comments of the keywords of the start.
-fn comments_of(keywords: Keywords<'_>, start: &Start) -> Vec<Comment> {
-    let names = start.from.split(" - ").next().unwrap_or_default().split(" + ");
-    names.filter_map(|name| keywords.find(name)).map(|(header, name)| keywords.comment(header, &name)).collect()
-}
-
-/// Returns true if TIMESYS or the comment of a keyword of the start states UTC.
-fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
-    let by_keyword = timesys(keywords).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
-    by_keyword || comments_of(keywords, start).iter().any(Comment::is_universal)
-}
-
-/// Returns true if the name or the comment of a keyword of the start states the start.
-fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
-    let is_named = |name: &str| NAMED_STARTS.iter().any(|known| is_spelling(known, name));
-    let is_stated = |comment: &Comment| matches!(comment.role(None), Ok(Some(Role::Start)));
-    start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
-}
-
-/// Returns a sentence about a start in OBS-DATE if nothing states that it is in universal time.
-fn of_other_date(keywords: Keywords<'_>, start: &Start) -> Option<String> {
-    let name = start.from.split(" + ").next()?;
-    let (header, _) = keywords.find(name).filter(|_| OTHER_DATES.iter().any(|other| is_spelling(other, name)))?;
-    let is_stated = timesys(keywords).is_some() || keywords.comment(header, name).is_universal();
-    (!is_stated).then(|| {
-        format!(
-            "the start is that of {}, which is read as the date in UTC: if it is local or that of the evening, specify --start",
-            start.from
-        )
-    })
-}
-
-/// Returns a sentence about a file that was written before the end of the exposure, if nothing states that the start is
-/// the start: its time may be that of the end, or of the writing.
-fn written_early(keywords: Keywords<'_>, start: &Start, duration_s: f64) -> Option<String> {
-    let (name, text, comment) = keywords.text_and_comment("DATE")?;
-    if comment.is_local() || comment.role(None) == Ok(Some(Role::Start)) {
-        return None;
-    }
-    let DateText::Moment(written) = parse_date(&text, TimeScale::UTC) else { return None };
-    let late_s = seconds_between(start.epoch, written);
-    let latest_s = (1.0 - SHIFT_SLACK) * duration_s - START_SLACK_S - start.slack_s;
-    let is_early = (-START_SLACK_S - start.slack_s..latest_s).contains(&late_s);
-    (is_early && !start.from.contains(" - ") && !states_start(keywords, start)).then(|| {
-        format!(
-            "the start is that of {}, but the file was written {:.1} s after it, before the end of the exposure ({name}): if it \
-             is the time of the end, specify --start",
-            start.from,
-            late_s.max(0.0)
-        )
-    })
-}
-
-/// Returns a sentence about the first card that states an error of the times of the header, or in which part of the
-/// exposure or in which zone they are.
-fn about_times(keywords: Keywords<'_>, start: &Start) -> Option<String> {
-    let card = keywords.cards().find(|card| match card.value() {
-        None => REMARKS.contains(&card.keyword().as_str()) && Comment::new(&card.remark_text()).is_about_times(),
-        Some(CardValue::Integer(_) | CardValue::Real(_)) => {
-            let is_error =
-                TIME_ERRORS.contains(&card.keyword().as_str()) || Comment::new(&card.comment()).is_of_clock_error();
-            is_error && keywords.number(&[&card.keyword()], |number| number.abs() > AGREED_S).is_some()
-        }
-        _ => false,
-    })?;
-    let text = card.text();
-    Some(format!(
-        "the start is that of {}; for another one specify --start; the header has the card {:?}",
-        start.from,
-        text.trim_end()
-    ))
-}
-
-/// Returns a sentence about the zone of a header, or the camera with a clock that is set by hand, if nothing states
-/// that the start is in universal time.
-fn zone(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<String> {
-    // A scale, another clock of universal time, or a different local time show that the start is not local.
-    if timesys(keywords).is_some()
-        || comments_of(keywords, start).iter().any(Comment::is_universal)
-        || instants.found.iter().any(|instant| instant.from.contains("UT"))
-        || !instants.local_clocks.is_empty()
-    {
-        return None;
-    }
-    let camera = || {
-        let (name, camera) = keywords.text(&["INSTRUME", "CAMERA"])?;
-        let lower = camera.to_ascii_lowercase();
-        HAND_SET_CAMERAS.iter().any(|maker| lower.starts_with(maker)).then_some((name, camera))
-    };
-    let of_card = keywords.cards().find_map(|card| {
-        let name = card.keyword();
-        let bare = name.replace(['-', '_', ' '], "");
-        let is_summer_time =
-            SUMMER_TIMES.contains(&&*bare) || SUMMER_TIME_STEMS.iter().any(|stem| bare.starts_with(stem));
-        let is_zone = bare == "TZ"
-            || is_summer_time
-            || ZONES.iter().any(|zone| bare.starts_with(zone))
-            || Comment::new(&card.comment()).is_of_zone()
-            || (CLOCKS.iter().any(|clock| bare.starts_with(clock))
-                && matches!(card.value(), Some(CardValue::Text(text)) if Comment::new(&text).is_local()));
-        let value = match card.value().filter(|_| is_zone)? {
-            CardValue::Integer(number) => number.to_string(),
-            CardValue::Real(number) => number.to_string(),
-            CardValue::Text(text) => text.trim().to_owned(),
-            CardValue::Logical(true) => return Some((name, "T".to_owned())),
-            _ => return None,
-        };
-        // Quarters of an hour, in hours or in seconds.
-        let is_offset = |number: f64| {
-            number != 0.0 && ((4.0 * number).fract() == 0.0 && number.abs() <= 14.0 || number % 900.0 == 0.0)
-        };
-        // UTC, Z and +00:00 are universal time, UTC-7 is not.
-        let is_zero = value.chars().all(|c| "+-0:. Z".contains(c));
-        let has_offset = value.contains(|c: char| matches!(c, '1'..='9'));
-        let is_zone = !is_zero && (has_offset || !Comment::new(&value).is_universal());
-        let is_yes = YES.contains(&&*value.to_ascii_uppercase());
-        let is_local = match value.parse::<f64>() {
-            Ok(number) if is_summer_time => number != 0.0,
-            Ok(number) => is_offset(number),
-            Err(_) => {
-                if is_summer_time {
-                    is_yes
-                } else {
-                    is_zone
-                }
-            }
-        };
-        is_local.then_some((name, value))
-    });
-    let (name, value) = of_card.or_else(camera)?;
-    Some(format!("{} is read as UTC, and {name} is {value}: if it is a local time, specify --start", start.from))
-}
-
-/// Returns sentences about starts, middles and ends in keywords of other names that do not fit the exposure.
-fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<String> {
-    let sentence = |other: &Instant| {
-        let (part, expected_s) = match other.role {
-            Role::Start => ("start", 0.0),
-            Role::Middle => ("middle", duration_s / 2.0),
-            Role::End => ("end", duration_s),
-        };
-        let late_s = seconds_between(start.epoch, other.epoch) - expected_s;
-        let slack_s = STATED_S + start.slack_s + other.slack_s + SHIFT_SLACK * duration_s;
-        (slack_s..LONGEST_STACK_S).contains(&late_s.abs()).then(|| {
-            let side = if late_s > 0.0 { "later" } else { "earlier" };
-            format!(
-                "{} is {:.1} s {side} than the {part} of the exposure, by the start of {}: for another exposure specify \
-                 --start and --exposure",
-                other.from,
-                late_s.abs(),
-                start.from
-            )
-        })
-    };
-    instants.others.iter().filter_map(sentence).collect()
 }
 
 /// Returns the error of a date and a time of day of different parts of the exposure that are perhaps on different days:

@@ -2,8 +2,9 @@
 //!
 //! `moment` finds values by their many keywords and parses dates and times, and `comment` reads what the comments of
 //! cards state. `instants` reads starts, middles and ends by the lists in `instant_keywords`, `length` the exposure
-//! time, `stacks` numbers of added exposures, and `exposure_time` compares them. `calibration` reads zero point, gain,
-//! read noise and band, and `observatory` the site.
+//! time, `stacks` numbers of added exposures, `relative` times since a reference, `scale` the time scale, and
+//! `exposure_time` compares them, with the cards that cast doubt on the start in `start_doubts`. `calibration` reads
+//! zero point, gain, read noise and band, and `observatory` the site.
 
 mod calibration;
 mod comment;
@@ -13,8 +14,11 @@ mod instants;
 mod length;
 mod moment;
 mod observatory;
+mod relative;
+mod scale;
 mod stacks;
+mod start_doubts;
 
 pub use calibration::{Calibration, CountBasis, PixelUnit};
 pub use exposure_time::ExposureTime;
-pub use observatory::{HeaderSite, SITE_KEYWORDS, site_from_headers};
+pub use observatory::{HeaderSite, SITE_KEYWORDS, UNNAMED_SITE, site_from_headers};

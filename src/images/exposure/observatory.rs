@@ -72,10 +72,16 @@ pub const SITE_KEYWORDS: &str =
 pub struct HeaderSite {
     /// The site.
     pub site: Site,
-    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours, or about an unknown code
-    /// of the Minor Planet Center.
+    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours, or about an unknown
+    /// code of the Minor Planet Center.
     pub remark: Option<String>,
 }
+
+/// Largest distance of two sites of a header that is not stated, km: satellites 500 km away move by 0.1 deg.
+const STATED_KM: f64 = 1.0;
+
+/// Name of a site whose header has only its position.
+pub const UNNAMED_SITE: &str = "site of the header";
 
 /// Returns the site in the headers of a frame; `None` if they have no site. The headers are given in the order of
 /// precedence: first the header of the image, then the primary header.
@@ -90,7 +96,7 @@ pub struct HeaderSite {
 /// sites, such as ATLAS, without a keyword that decides between them.
 pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Error> {
     let keywords = Keywords(headers);
-    let name = keywords.text(&["TELESCOP", "OBSERVAT"]).map_or("site of the header".to_owned(), |(_, name)| name);
+    let name = keywords.text(&["TELESCOP", "OBSERVAT"]).map_or(UNNAMED_SITE.to_owned(), |(_, name)| name);
     // Sites with the keywords that give them, in order of precedence.
     let mut stated: Vec<(String, Site)> = Vec::new();
     for names in [CARTESIAN, GEODETIC] {
@@ -108,7 +114,8 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
         }
         stated.push((format!("{}, ...", names[0]), site));
     }
-    let mut unknown = None;
+    // Codes and their keywords.
+    let mut unknown: Option<(String, String)> = None;
     for keyword in MPC_CODES {
         let number = keywords.number(&[keyword], |_| true).map(|(name, number, _)| (name, format!("{number:03}")));
         let Some((name, code)) = keywords.text(&[keyword]).or(number) else { continue };
@@ -116,9 +123,7 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
             Ok(site) => stated.push((format!("{name} {code:?}"), site)),
             // Codes have digits, "none" has not.
             Err(_) if !code.contains(|c: char| c.is_ascii_digit()) => {}
-            Err(_) => {
-                unknown = Some(format!("{name} {code:?} is no known code of the Minor Planet Center: it is not used"))
-            }
+            Err(_) => unknown = Some((name, code)),
         }
     }
     // Names of several sites, and of sites that are part of an unknown name.
@@ -151,21 +156,35 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
         }
     }
     let Some((first_from, first)) = stated.first() else {
-        return match networks.first() {
-            None => Ok(None),
-            Some((from, sites)) => {
+        return match (networks.first(), unknown) {
+            (None, None) => Ok(None),
+            (None, Some((name, code))) => {
+                let allowed =
+                    "a known code of the Minor Planet Center, or for example --site, --mpc or --lat and --lon";
+                Err(Error::unknown(name, &code, allowed))
+            }
+            (Some((from, sites)), _) => {
                 let names: Vec<&str> = sites.iter().map(|site| site.name.as_str()).collect();
                 let given = format!("one of several sites: {}", names.join(", "));
                 Err(Error::invalid(from.clone(), given, "the name of one site, or for example --site or --mpc"))
             }
         };
     };
-    let others = stated[1..].iter().map(|(from, site)| (from, site.distance_km(first)));
-    let of_networks = networks
-        .iter()
-        .chain(&hints)
-        .map(|(from, sites)| (from, sites.iter().map(|site| site.distance_km(first)).fold(f64::INFINITY, f64::min)));
-    match others.chain(of_networks).find(|(_, distance_km)| *distance_km > SAME_SITE_KM) {
+    let others: Vec<(&String, f64)> = stated[1..].iter().map(|(from, site)| (from, site.distance_km(first))).collect();
+    let near_km = |sites: &[&Site]| sites.iter().map(|site| site.distance_km(first)).fold(f64::INFINITY, f64::min);
+    let of_names = networks.iter().chain(&hints).map(|(from, sites)| (from, near_km(sites)));
+    // Mounts have names of observatories, too, such as Gemini and Atlas: they do not contradict a position.
+    let is_position = first_from.starts_with(OBSGEO);
+    let of_names: Vec<(&String, f64)> = of_names.collect();
+    let other = of_names.iter().find(|(_, distance_km)| is_position && *distance_km > SAME_SITE_KM);
+    let other = other.or(others.iter().find(|(_, distance_km)| *distance_km > STATED_KM));
+    let other = other.map(|(from, distance_km)| {
+        format!(
+            "the site is that of {first_from}, {distance_km:.0} km from that of {from}: for another one specify --site"
+        )
+    });
+    let mut contradictions = others.iter().chain(of_names.iter().filter(|_| !is_position));
+    match contradictions.find(|(_, distance_km)| *distance_km > SAME_SITE_KM) {
         Some((from, distance_km)) => {
             let given = format!("{distance_km:.0} km from that of {from}");
             let allowed = format!("one site within {SAME_SITE_KM} km, or for example --site, --mpc or --lat and --lon");
@@ -177,7 +196,10 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
                 let allowed = "the coordinates of this site, or for example --site, --mpc or --lat and --lon";
                 Error::invalid(format!("site of {first_from}"), given, allowed)
             })?;
-            Ok(Some(HeaderSite { site: first.clone(), remark: remark.or(unknown) }))
+            let unknown = unknown.map(|(name, code)| {
+                format!("{name} {code:?} is no known code of the Minor Planet Center: it is not used")
+            });
+            Ok(Some(HeaderSite { site: first.clone(), remark: remark.or(other).or(unknown) }))
         }
     }
 }

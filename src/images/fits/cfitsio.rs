@@ -36,6 +36,9 @@ const SUBTRACTIVE_DITHER_1: c_int = 1;
 /// Status of a write that failed.
 const WRITE_ERROR: c_int = 106;
 
+/// Status of a compressed tile that cannot be read: of RICE, and of the other algorithms.
+const TILE_ERRORS: [c_int; 2] = [1, 414];
+
 /// Longest message of CFITSIO, including the closing zero byte.
 const MESSAGE_LENGTH: usize = 96;
 
@@ -293,7 +296,8 @@ fn failed(path: &Path, status: c_int) -> Error {
     let mut buffer = [0; MESSAGE_LENGTH];
     // SAFETY: the short text of a status is at most 30 characters long.
     unsafe { ffgerr(status, buffer.as_mut_ptr()) };
-    let mut message = text_of(&buffer);
+    let mut message =
+        if TILE_ERRORS.contains(&status) { "damaged compressed data".to_owned() } else { text_of(&buffer) };
     buffer = [0; MESSAGE_LENGTH];
     // SAFETY: messages are at most 80 characters long.
     if unsafe { ffgmsg(buffer.as_mut_ptr()) } != 0 {

@@ -181,6 +181,8 @@ def as_files(
                 elif is_hdu_list(frame):
                     if header is not None:
                         raise ValueError("header is given for an HDUList; allowed: with an array (an HDUList contains it)")
+                    if len(frame) == 0:
+                        raise ValueError(f"{name} is an HDUList without HDUs; allowed: one with an image")
                     _separate(frame).writeto(path, output_verify="ignore")
                 else:
                     image = _image_of(frame, header, name, needs_header, or_else)
