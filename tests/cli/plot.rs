@@ -545,6 +545,32 @@ fn verif_the_list_names_every_plot() {
     assert_eq!(named, commands);
 }
 
+/// Nights are named by the civil date of their evening, also beyond the date line.
+#[test]
+fn nights_have_the_date_of_the_time_zone() {
+    let folder = tempdir().unwrap();
+    let file = path(&folder, "tonga.csv");
+    let rows = ["2026-08-22T08:30:00Z", "2026-08-23T08:30:00Z"].map(|start| format!("{start},30,clear,0,\n"));
+    fs::write(&file, format!("start_utc,duration_s,verdict,n_streaks,brightest_mag\n{}", rows.concat())).unwrap();
+    let site: &[&str] = &["--lat", "-21.2", "--lon", "-175.2"];
+    let nights: [(&[&str], [&str; 2]); 2] = [
+        (&["--time-zone", "Pacific/Tongatapu"], ["2026-08-22", "2026-08-23"]),
+        (&[], ["2026-08-21", "2026-08-22"]),
+    ];
+    for (zone, [first, last]) in nights {
+        let plot = |night: &str| {
+            let picture = path(&folder, "n.svg");
+            let plot: &[&str] = &["plot", "night", "--from", &file, "--night", night, "-o", &picture];
+            let (code, _, stderr) = run(&[plot, site, zone]);
+            (code, stderr, fs::read_to_string(&picture).unwrap_or_default())
+        };
+        let (code, stderr, picture) = plot(last);
+        assert!(code == 0 && picture.contains(&format!("Night of {last}")), "{stderr}");
+        let (code, stderr, _) = plot("2026-08-20");
+        assert!(code == 2 && stderr.contains(&format!("allowed: {first} to {last}, 2 nights")), "{stderr}");
+    }
+}
+
 /// Plots of simulated satellites are labelled as such, with site, limit and twilight, also if plotted from a table.
 #[test]
 fn metadata_of_a_table_are_drawn_again() {

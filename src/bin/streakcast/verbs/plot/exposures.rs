@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use anyhow::{anyhow, bail};
+use hifitime::Epoch;
 use streakcast::config::Config;
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::{Column, Kind, Provenance, Table, Value};
-use streakcast::schedule::{Schedule, ScheduledExposure, Verdict, VerdictKind};
+use streakcast::schedule::{Schedule, ScheduledExposure, Verdict, VerdictKind, evening_mjd};
 
+use crate::clock::{civil_date, date_of};
+use crate::local_time::LocalTime;
 use crate::verbs::schedule_verdicts::PreparedSchedule;
 
 use super::clock::sun_altitude_deg;
@@ -160,20 +163,19 @@ fn row_of(
     ]
 }
 
-/// Nights of a table, named by the date of their evening. A night lasts from noon to noon, in local mean time of the
-/// site, or in UTC if there is no site.
+/// Nights of a table, named by the date of their evening, in a time zone if one is given. A night lasts from noon to noon, in
+/// local mean time of the site, or in UTC if there is no site.
 pub struct Nights {
     /// Night of each row; `None` if the row has no time.
     pub of_rows: Vec<Option<String>>,
 }
 
 impl Nights {
-    pub fn from_columns(columns: &Columns, longitude_deg: f64) -> anyhow::Result<Self> {
+    pub fn from_columns(columns: &Columns, site: Option<&Site>, zone: Option<&LocalTime>) -> anyhow::Result<Self> {
+        let longitude_rad = site.map_or(0.0, |site| site.longitude_rad);
         let date = |mjd: f64| {
-            // Nights start at noon.
-            let day = (mjd + longitude_deg / 360.0 - 0.5).floor();
-            let (year, month, day, ..) = hifitime::Epoch::from_mjd_utc(day + 0.5).to_gregorian_utc();
-            format!("{year:04}-{month:02}-{day:02}")
+            let mean_night = date_of(evening_mjd(Epoch::from_mjd_utc(mjd), longitude_rad));
+            site.map_or_else(|| mean_night.clone(), |site| civil_date(&mean_night, site, zone))
         };
         let starts = columns.moments("start_utc")?;
         Ok(Self { of_rows: starts.iter().map(|start| start.is_finite().then(|| date(*start))).collect() })

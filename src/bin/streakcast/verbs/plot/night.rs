@@ -58,9 +58,9 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
             .to_owned()]);
     }
     let config = columns.time_zone_with(config);
-    let clock = Clock::new(typed.zone.or_of(&config)?, site.as_ref());
-    let longitude_deg = site.as_ref().map_or(0.0, |site| site.longitude_rad.to_degrees());
-    let nights = Nights::from_columns(&columns, longitude_deg)?;
+    let zone = typed.zone.or_of(&config)?;
+    let nights = Nights::from_columns(&columns, site.as_ref(), zone.as_ref())?;
+    let clock = Clock::new(zone, site.as_ref());
     let night = nights.choose(typed.night.as_deref())?;
     let others = nights.all().len();
     if others > 1 && typed.night.is_none() {
