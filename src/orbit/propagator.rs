@@ -296,8 +296,13 @@ impl Propagator {
         if let Some((decayed, after)) = self.decayed.as_deref().copied()
             && minutes > after
         {
-            let reason = format_args!(" has decayed before {decayed} (DECAY_DATE of its element set)");
-            return Err(no_position(self.norad_id, reason));
+            // Without a date the time is that of the elements.
+            return Err(if after == 0.0 {
+                no_position(self.norad_id, format_args!(" has decayed (DECAYED of its element set) at an unknown time"))
+            } else {
+                let reason = format_args!(" has decayed before {decayed} (DECAY_DATE of its element set)");
+                no_position(self.norad_id, reason)
+            });
         }
         let mut resonance = self.resonance.as_ref().map(|kept| kept.state_before(&self.constants, minutes));
         let prediction = self

@@ -119,8 +119,15 @@ const ZERO_POINTS: &[(&str, Option<CountBasis>)] = &[
     ("ZEROPT", None),
 ];
 
-/// Magnitude of one nanomaggy (SDSS, Legacy Surveys).
-const NANOMAGGY_MAG: f64 = 22.5;
+/// AB magnitudes of the units of flux density: those of BUNIT, whose letters differ from `MJy`, and the magnitude of one
+/// (SDSS and Legacy Surveys; -2.5 log10 of 3631 Jy).
+const FLUX_UNITS: [(&[&str], f64); 5] = [
+    (&["nanomaggy", "nanomaggies", "nMgy", "nmgy"], 22.5),
+    (&["nJy", "nanojansky"], 31.4),
+    (&["uJy", "microJy", "microjansky"], 23.9),
+    (&["mJy", "millijansky"], 16.4),
+    (&["Jy", "jansky"], 8.9),
+];
 
 impl Calibration {
     /// Reads the calibration from the headers of a frame, given in the order of precedence: first the header of the
@@ -206,6 +213,15 @@ const SETTING_CAMERAS: &[&str] = &[
     "touptek",
     "altair",
     "svbony",
+    "sv",
+    "seestar",
+    "vespera",
+    "stellina",
+    "mallincam",
+    "bresser",
+    "basler",
+    "flir",
+    "blackfly",
     "player",
     "poseidon",
     "atr3",
@@ -244,7 +260,7 @@ const GAIN_SLACK: f64 = 0.05;
 fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     let positive = |number: f64| number > 0.0;
     // EGAIN of SharpCap is that of the detector's own bits, and EGAINSAV that of the pixels.
-    let names = ["EGAINSAV", "EGAIN", "GAIN", "CCDGAIN"];
+    let names = ["EGAINSAV", "EGAIN", "GAIN", "CCDGAIN", "ESO DET OUT1 CONAD"];
     let Some((keyword, value, comment)) = keywords.number(&names, positive) else {
         let pair = of_amplifiers(keywords, &[], &["GAINA", "GAINB"], mean);
         return match pair {
@@ -266,9 +282,18 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         "adu/photo",
         "count/photo",
         "counts/photo",
+        "fromelectron",
+        "frome-",
     ]
     .iter()
     .any(|words| joined.contains(words));
+    // ESO's "Conversion from electrons to ADU" is a number of counts per electron; "e- to ADU conversion" may be either.
+    let is_either = ["adu", "dn", "count"].iter().any(|count| {
+        ["electronsto", "electronto", "e-to"].iter().any(|from| joined.contains(&format!("{from}{count}")))
+    });
+    if is_either && !is_inverse {
+        return Err(format!("{keyword} is {value} ({comment}): electrons per count or counts per electron"));
+    }
     let has_unit = is_inverse || has_electron_unit(&comment);
     // "0.1dB", "%", "[uV/e-]"
     let in_brackets = comment.trim_start().strip_prefix('[').is_some_and(|unit| !unit.starts_with('e'));
@@ -282,7 +307,7 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         let is_of = |word: &str, camera: &str| {
             word.strip_prefix(camera).is_some_and(|rest| match camera {
                 // Names of cameras have a number, as ASI294MM; other words begin like this.
-                "asi" => rest.starts_with(|mark: char| mark.is_ascii_digit()),
+                "asi" | "sv" => rest.starts_with(|mark: char| mark.is_ascii_digit()),
                 // Sensors of Sony are also in the cameras of observatories.
                 "sony" => keyword != "DETECTOR",
                 _ => true,
@@ -291,6 +316,15 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         lower.split_whitespace().any(|word| SETTING_CAMERAS.iter().any(|camera| is_of(word, camera)))
     });
     let is_setting = is_setting || (is_camera && keyword == "GAIN");
+    let is_of_sharpcap = || {
+        let texts = CAMERAS.iter().filter_map(|keyword| keywords.text(&[keyword]));
+        texts.into_iter().any(|(_, text)| text.to_ascii_lowercase().contains("sharpcap"))
+    };
+    if keyword == "EGAIN" && is_of_sharpcap() {
+        return Err(format!(
+            "{keyword} is {value}: of the bits of the sensor, not of the pixels (SharpCap without EGAINSAV)"
+        ));
+    }
     if words.has_pair("bit", "depth") && keyword != "EGAINSAV" {
         return Err(format!("{keyword} is {value} ({}): perhaps not of the pixels of this file", words.text()));
     }
@@ -299,7 +333,10 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
             "{keyword} is {value}, and {multiplication} is {factor}: with or without the multiplication"
         ));
     }
-    if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
+    // "[e-]" does not tell electrons per count from a number of electrons.
+    let is_per_count =
+        is_inverse || has_unit && ["/", "per", "adu", "dn", "count"].iter().any(|sign| joined.contains(sign));
+    if !has_unit && is_setting || !is_per_count && value > LARGEST_GAIN_E {
         return Err(doubt(&keyword, value, &comment));
     }
     // "GAIN = 1.0 / e-/ADU" beside EGAIN; a GAIN without a unit is that of the camera.
@@ -333,10 +370,14 @@ fn doubt(keyword: &str, value: f64, comment: &str) -> String {
 fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
     let of_frame =
         |mag: f64, keyword: String| ZeroPoint { mag, basis: Some(CountBasis::Frame), keyword, is_basis_assumed: false };
-    let unit =
-        keywords.text(&["BUNIT"]).map(|(_, unit)| unit.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
-    if unit == "nanomaggy" || unit == "nanomaggies" || unit == "nmgy" {
-        return Some(of_frame(NANOMAGGY_MAG, "BUNIT".to_owned()));
+    let unit = keywords.text(&["BUNIT"]).map(|(_, unit)| unit.replace(' ', "")).unwrap_or_default();
+    // "nJy/pixel"
+    let flux =
+        unit.split_once('/').filter(|(_, area)| ["pix", "pixel"].contains(area)).map_or(&*unit, |(flux, _)| flux);
+    // Names are read in any case; symbols are not, because M is a million.
+    let is_unit = |name: &&str| *name == flux || (name.len() > 4 && name.eq_ignore_ascii_case(flux));
+    if let Some((_, mag)) = FLUX_UNITS.iter().find(|(names, _)| names.iter().any(is_unit)) {
+        return Some(of_frame(*mag, "BUNIT".to_owned()));
     }
     // The LSST pipelines write the counts of a source of magnitude 0 instead of a zero point.
     if let Some((keyword, flux, _)) = keywords.number(&["FLUXMAG0"], |flux| flux > 0.0) {
@@ -349,6 +390,12 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         let is_per_second = ["/s", "per sec", "1 sec", "s-1", "s^-1"].iter().any(|words| comment.contains(words));
         // As in synthetic frames
         let is_of_frame = ["in the frame", "of the frame"].iter().any(|words| comment.contains(words));
+        // "MAG=-2.5*log(data)+PHOTZP" (ESO phase 3): the pixels, which may also be divided by the time.
+        let logarithm = ["log(", "log10("].iter().find_map(|log| Some(comment.split_once(log)?.1.split_once(')')?.0));
+        let pixels = logarithm.filter(|inside| !inside.contains("flux"));
+        let is_per_second =
+            is_per_second || pixels.is_some_and(|pixels| pixels.contains('/') || pixels.contains("rate"));
+        let is_of_frame = is_of_frame || pixels.is_some();
         let of_frame = is_of_frame.then_some(CountBasis::Frame);
         let stated = if is_per_second { Some(CountBasis::Second) } else { of_frame };
         // If the pixels are rates, their sum is already the count of one second and must not be divided by the exposure
