@@ -287,6 +287,11 @@ impl Propagator {
         (semi_major_axis_km * (1.0 - self.eccentricity), semi_major_axis_km * (1.0 + self.eccentricity))
     }
 
+    /// Returns the time from which the satellite is known to have decayed.
+    pub(crate) fn decayed(&self) -> Option<Epoch> {
+        self.decayed.as_deref().map(|(decayed, _)| *decayed)
+    }
+
     /// Returns the result of SGP4 in TEME, km and km/s, `minutes` after the element epoch, for verification against
     /// other implementations. An attached ephemeris is not used, and distances that are too large are not rejected.
     ///
