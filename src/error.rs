@@ -140,7 +140,8 @@ impl Error {
         Self::new(ErrorKind::Format, sentence)
     }
 
-    /// Creates the error `PURPOSE PATH PREDICATE`, of a file whose content is invalid, such as `schedule x.csv is empty`.
+    /// Creates the error `PURPOSE PATH PREDICATE`, of a file whose content is invalid, such as `schedule x.csv is
+    /// empty`.
     pub(crate) fn about_file(purpose: &str, path: impl Into<PathBuf>, predicate: impl Into<String>) -> Self {
         Self::of_sentence(ErrorKind::Format, Sentence::OfFile(predicate.into())).in_file(purpose, path)
     }

@@ -36,8 +36,8 @@
 //! # Features
 //!
 //! The default needs no C compiler. `fits` adds frames and HEALPix maps as FITS (CFITSIO is compiled in, on Unix),
-//! `sqlite` adds Rubin opsim databases (SQLite is compiled in), `plot` adds charts and maps as PNG and SVG, and `fit` adds
-//! fits of brightness models to photometry.
+//! `sqlite` adds Rubin opsim databases (SQLite is compiled in), `plot` adds charts and maps as PNG and SVG, and `fit`
+//! adds fits of brightness models to photometry.
 
 #[doc(hidden)]
 pub mod config;

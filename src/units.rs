@@ -1,5 +1,5 @@
-//! Units of the columns of tables that the program reads. A unit is stated by the file (ECSV, VOTable), by the end of the
-//! column's name (`ra_deg`), or by both. Values are converted to the unit that the program uses.
+//! Units of the columns of tables that the program reads. A unit is stated by the file (ECSV, VOTable), by the end of
+//! the column's name (`ra_deg`), or by both. Values are converted to the unit that the program uses.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -172,7 +172,8 @@ impl Unit {
         }
     }
 
-    /// Returns the indices of all columns of a quantity: the names in `accepted`, and these with another unit at the end.
+    /// Returns the indices of all columns of a quantity: the names in `accepted`, and these with another unit at the
+    /// end.
     pub fn columns(&self, accepted: &[&str], names: &[String]) -> Vec<usize> {
         let stem = |name: &str| Some(name.rsplit_once('_').filter(|(_, end)| self.value(end).is_some())?.0.to_owned());
         let stems: Vec<String> = accepted.iter().filter_map(|name| stem(name)).collect();

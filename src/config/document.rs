@@ -60,8 +60,8 @@ pub struct Config {
     /// Corrections of magnitudes and delays that streakcast learn wrote
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
     pub learned: Option<PathBuf>,
-    /// Table of streakcast measure (CSV): its magnitudes correct those of the same pass, and mask also uses its tracks and
-    /// light
+    /// Table of streakcast measure (CSV): its magnitudes correct those of the same pass, and mask also uses its tracks
+    /// and light
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
     pub measured: Vec<PathBuf>,
@@ -110,8 +110,8 @@ pub struct Config {
     /// Telescope: atlas, decam, pan-starrs, rubin, small, vst, ztf, or a TOML file
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", help_heading = "Camera"))]
     pub telescope: Option<TelescopeChoice>,
-    /// Share of an exposure that is lost to a bright streak across the whole field, 0 to 100; that of the telescope, 0.08
-    /// by default, if omitted
+    /// Share of an exposure that is lost to a bright streak across the whole field, 0 to 100; that of the telescope,
+    /// 0.08 by default, if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", help_heading = "Camera"))]
     pub bright_share: Option<f64>,
     /// Band, magnitude system and light sources.

@@ -47,8 +47,8 @@ fn near(latitude_rad: f64, longitude_rad: f64) -> Option<&'static Site> {
     })
 }
 
-/// Returns a known observatory whose latitude is the longitude of the site, and the reverse, with the coordinates of the
-/// site in the other order, degrees; `None` if there is one at the site itself.
+/// Returns a known observatory whose latitude is the longitude of the site, and the reverse, with the coordinates of
+/// the site in the other order, degrees; `None` if there is one at the site itself.
 fn swapped(site: &Site) -> Option<(&'static Site, f64, f64)> {
     let longitude_rad = (site.longitude_rad + PI).rem_euclid(TAU) - PI;
     if near(site.latitude_rad, site.longitude_rad).is_some() {

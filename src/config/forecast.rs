@@ -65,8 +65,8 @@ impl SelectionConfig {
     }
 }
 
-/// Time range of a request: a night, or start and end. The default `tonight` is that of the command line; the library has
-/// none.
+/// Time range of a request: a night, or start and end. The default `tonight` is that of the command line; the library
+/// has none.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
@@ -120,7 +120,8 @@ pub struct ForecastConfig {
     /// With --max-mag: smallest probability of being brighter, 0 to 1; with 0 all passes are listed
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value_t = 0.5, help_heading = "Filters"))]
     pub min_p_brighter: f64,
-    /// Magnitudes above the atmosphere, and the same limit in twilight as by night [default: clear air, or --extinction]
+    /// Magnitudes above the atmosphere, and the same limit in twilight as by night [default: clear air, or
+    /// --extinction]
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Filters"))]
     pub no_atmosphere: bool,
     /// Order of the passes: time, or brightness (the most probably visible first) [default: brightness with --max-mag]
@@ -175,9 +176,10 @@ impl Default for ForecastConfig {
 }
 
 impl ForecastConfig {
-    /// Checks the values and converts them to a request and a selection of satellites. `self` determines whether passes in
-    /// the shadow are included, or else `config`. `default_samples` is the number of points along each pass if neither of them
-    /// sets it. Without an extinction in `config`, that of clear air at the height of the site is applied.
+    /// Checks the values and converts them to a request and a selection of satellites. `self` determines whether passes
+    /// in the shadow are included, or else `config`. `default_samples` is the number of points along each pass if
+    /// neither of them sets it. Without an extinction in `config`, that of clear air at the height of the site is
+    /// applied.
     ///
     /// # Errors
     /// A generation or the order is unknown, a number is out of range, an extinction is given with `no_atmosphere`, or

@@ -341,8 +341,8 @@ impl IdentifyConfig {
             return Err(Error::invalid("number of regions", 0, allowed).in_file("", path));
         }
         let line = fit_line(&outlines).map_err(|error| error.in_file("", path))?;
-        // The middle line of a box is closer to the streak than the sides of the box. Lines have no width; several of them
-        // scatter about the streak.
+        // The middle line of a box is closer to the streak than the sides of the box. Lines have no width; several of
+        // them scatter about the streak.
         let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;
         let sigma_arcsec =
             if line.has_width { 0.5 * half_width_arcsec } else { POSITION_SIGMA_ARCSEC.max(half_width_arcsec) };

@@ -46,8 +46,8 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), Error> {
     Ok((file, hdu))
 }
 
-/// Returns the ends of the part of a line in the frame, or the line if it has none. A line that is fitted to a streak may
-/// have its ends outside of the frame.
+/// Returns the ends of the part of a line in the frame, or the line if it has none. A line that is fitted to a streak
+/// may have its ends outside of the frame.
 pub(super) fn clipped(
     path: &Path,
     hdu: Option<usize>,
@@ -90,8 +90,9 @@ pub(super) fn ends(
     Ok(([first, last], first.separation_rad(&last).to_degrees() * 3600.0 / length_pix))
 }
 
-/// Returns the sky positions of the ends of the part of a line in the frame, or of the corners of a region. If the region
-/// reaches beyond the frame, they are those of a box of the same width around the part of its middle line in the frame.
+/// Returns the sky positions of the ends of the part of a line in the frame, or of the corners of a region. If the
+/// region reaches beyond the frame, they are those of a box of the same width around the part of its middle line in the
+/// frame.
 ///
 /// # Errors
 /// The middle line is outside of the frame, or has no position on the sky.
@@ -182,7 +183,8 @@ pub(super) fn exposure(
     Ok((found.start, found.duration_s, remarks))
 }
 
-/// Returns the site in the header of a frame, `None` if it has none, and a sentence about coordinates that do not give it.
+/// Returns the site in the header of a frame, `None` if it has none, and a sentence about coordinates that do not give
+/// it.
 pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<(Option<HeaderSite>, Option<String>), Error> {
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];

@@ -130,8 +130,8 @@ pub struct InjectionConfig {
         )
     )]
     pub streak_rate_deg_s: Option<Numbers>,
-    /// Table of streaks, instead of satellites: CSV, ECSV or FITS, one row a streak, with its ends (x1_pix, y1_pix, x2_pix,
-    /// y2_pix; or ra1_deg, dec1_deg, ...) and its magnitude or peak
+    /// Table of streaks, instead of satellites: CSV, ECSV or FITS, one row a streak, with its ends (x1_pix, y1_pix,
+    /// x2_pix, y2_pix; or ra1_deg, dec1_deg, ...) and its magnitude or peak
     #[cfg_attr(
         feature = "cli",
         arg(

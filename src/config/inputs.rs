@@ -49,8 +49,8 @@ impl LoadedInputs {
         self.catalogues.get(&self.config.elements_in(&self.deployment, evening_mjd))
     }
 
-    /// Returns the first and the last epoch of the element sets if the files have several of an object, of which each sky
-    /// uses the closest.
+    /// Returns the first and the last epoch of the element sets if the files have several of an object, of which each
+    /// sky uses the closest.
     pub fn epochs_of_choice(&self) -> Option<[Epoch; 2]> {
         let has_several = |catalogue: &&Satellites| {
             catalogue.element_sets.windows(2).any(|pair| pair[0].norad_id == pair[1].norad_id)

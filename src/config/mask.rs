@@ -10,7 +10,7 @@ use serde_json::json;
 use super::document::Config;
 use super::error::request;
 use super::injection_plan::SkyOf;
-use super::measure::{MeasureConfig, check_years, photometry, unknown_observer_warning, with_site};
+use super::measure::{MeasureConfig, check_years, observer_warning, photometry, with_site};
 use super::prepared::PreparedSky;
 use super::required::FRAMES;
 use super::values::parse_angle_deg;
@@ -57,12 +57,12 @@ pub struct MaskConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
     pub exposure: Option<String>,
     /// Probability that the streak of a satellite is in its mask, 0.5 to 0.999: the mask covers the errors of the
-    /// position with this probability, and the width of a streak that is brighter with the remaining probability; 0.95 if
-    /// omitted
+    /// position with this probability, and the width of a streak that is brighter with the remaining probability; 0.95
+    /// if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", help_heading = "Width"))]
     pub coverage: Option<f64>,
-    /// Mask the light down to this multiple of the local noise of a pixel, 0.01 to 100; fainter satellites are left out;
-    /// 1 if omitted
+    /// Mask the light down to this multiple of the local noise of a pixel, 0.01 to 100; fainter satellites are left
+    /// out; 1 if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "K", help_heading = "Width"))]
     pub threshold: Option<f64>,
     /// Full width of the light of all streaks with its unit, instead of the width from brightness, seeing and noise; no
@@ -88,8 +88,8 @@ pub struct MaskConfig {
         arg(long, value_name = "HDU", num_args = 1.., value_delimiter = ',', requires = "output", help_heading = "Output")
     )]
     pub into: Vec<String>,
-    /// Bit of --into: the name of a plane in the MP_ keywords of the mask (a free bit if it is new), or a number; STREAK
-    /// if omitted
+    /// Bit of --into: the name of a plane in the MP_ keywords of the mask (a free bit if it is new), or a number;
+    /// STREAK if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", help_heading = "Output"))]
     pub bit: Option<String>,
 }
@@ -215,7 +215,7 @@ impl MaskConfig {
             warnings.extend(ignored);
             remarks.extend(frame.remarks());
             warnings.extend(mask_warnings(&shown, &frame, &mask, &options));
-            warnings.extend(unknown_observer_warning(&prepared.sky, &frame));
+            warnings.extend(observer_warning(&prepared.sky, &frame));
             warnings.extend(
                 prepared.sky.predictability(frame.opened, None).reason().map(|reason| {
                     format!("{shown}: {reason}: the mask is incomplete; specify element sets of that time")

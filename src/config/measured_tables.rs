@@ -97,8 +97,8 @@ impl MeasuredTables {
     }
 }
 
-/// Returns the frame of a row with this name: the only one of `frames` with this end of its path, or the one in the folder
-/// of the table, or else a file there.
+/// Returns the frame of a row with this name: the only one of `frames` with this end of its path, or the one in the
+/// folder of the table, or else a file there.
 ///
 /// # Errors
 /// There is no such frame, or there are several.
@@ -125,8 +125,8 @@ pub(super) fn rows_left_out(invalid: &[Error]) -> Vec<String> {
     first_of(invalid.iter().map(|error| format!("{error}; the streak is left out")), "streaks left out")
 }
 
-/// Adds to each streak the satellite of the sky that has probably made it, or what the sky knows about the satellite that
-/// the table names. Returns the satellites whose positions cannot be computed.
+/// Adds to each streak the satellite of the sky that has probably made it, or what the sky knows about the satellite
+/// that the table names. Returns the satellites whose positions cannot be computed.
 ///
 /// # Errors
 /// Positions cannot be computed at the time of the frame.

@@ -1,5 +1,5 @@
-//! Paths of files in settings. Each type of a setting states whether its values have any, so that a setting of a new type
-//! does not compile without this statement.
+//! Paths of files in settings. Each type of a setting states whether its values have any, so that a setting of a new
+//! type does not compile without this statement.
 
 use std::path::PathBuf;
 

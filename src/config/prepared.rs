@@ -225,8 +225,8 @@ impl PreparedSky {
         Self { sky: self.sky.watched(watch), ..self.clone() }
     }
 
-    /// Adds the satellites to the periods of a provenance, like [`LoadedInputs::period_json`], unless the last period has
-    /// the same.
+    /// Adds the satellites to the periods of a provenance, like [`LoadedInputs::period_json`], unless the last period
+    /// has the same.
     pub fn add_period(&self, first_start: Epoch, periods: &mut Vec<serde_json::Value>) {
         let stated = |name| self.provenance.get(name).cloned();
         let elements = stated("elements").filter(|_| self.has_own_elements);

@@ -1,4 +1,5 @@
-//! Required inputs. Each is declared once: usage lines, notes in the help, and errors for missing inputs follow from it.
+//! Required inputs. Each is declared once: usage lines, notes in the help, and errors for missing inputs follow from
+//! it.
 
 use super::document::Config;
 use crate::error::Error;

@@ -134,8 +134,8 @@ impl Config {
         Ok(self.viewpoint(moment)?.site().map_or(0.0, |observer| observer.site().longitude_rad))
     }
 
-    /// Returns the configuration with the site of the header of `frames` set, and a message that states it. Without such
-    /// a site, that of the home file remains. `unused` states coordinates that do not give the site.
+    /// Returns the configuration with the site of the header of `frames` set, and a message that states it. Without
+    /// such a site, that of the home file remains. `unused` states coordinates that do not give the site.
     ///
     /// # Errors
     /// There is no site.

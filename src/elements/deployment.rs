@@ -1,5 +1,5 @@
-//! Constellations that change: from which night on which share of each simulated one is in orbit, and which element sets
-//! are used.
+//! Constellations that change: from which night on which share of each simulated one is in orbit, and which element
+//! sets are used.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -148,8 +148,8 @@ impl Deployment {
         Ok(all)
     }
 
-    /// Returns the files of element sets that replace those of the request in the night that begins on an evening; empty if
-    /// those of the request are used.
+    /// Returns the files of element sets that replace those of the request in the night that begins on an evening;
+    /// empty if those of the request are used.
     pub fn elements_at(&self, evening_mjd: i64) -> Vec<PathBuf> {
         let periods = self.growing.iter().filter_map(|file| file.period_at(evening_mjd));
         periods.flat_map(|period| &period.elements).cloned().collect()

@@ -65,8 +65,8 @@ pub struct ElementSet {
 }
 
 impl ElementSet {
-    /// Returns true if both sets have a COSPAR designator and these differ: the sets are of different objects, also under
-    /// one catalogue number.
+    /// Returns true if both sets have a COSPAR designator and these differ: the sets are of different objects, also
+    /// under one catalogue number.
     pub(crate) fn is_of_other_object(&self, other: &Self) -> bool {
         let [first, second] = [self, other].map(|set| &set.international_designator);
         if first == second {

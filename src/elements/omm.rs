@@ -267,9 +267,9 @@ impl<'a> Fields<'a> {
         Ok(())
     }
 
-    /// Returns the time of DECAY_DATE, or the end of its day if it has no time. Midnight is that of a date without a time.
-    /// A satellite that has decayed (DECAYED is 1, of Space-Track) without a date has decayed at an unknown time after its
-    /// epoch: its positions are unknown from `epoch` on.
+    /// Returns the time of DECAY_DATE, or the end of its day if it has no time. Midnight is that of a date without a
+    /// time. A satellite that has decayed (DECAYED is 1, of Space-Track) without a date has decayed at an unknown time
+    /// after its epoch: its positions are unknown from `epoch` on.
     fn decayed(&self, epoch: hifitime::Epoch) -> Result<Option<hifitime::Epoch>, Error> {
         let Some(text) = self.get(Keyword::DecayDate) else {
             let has_decayed = self

@@ -127,8 +127,8 @@ impl Satellites {
         Self::read(paths.as_ref(), &ReadOptions::default())
     }
 
-    /// Returns a simulated constellation with the orbits of its licence filing, for example `starlink-gen1`, or a set of
-    /// them, for example `planned-2026`, at an epoch.
+    /// Returns a simulated constellation with the orbits of its licence filing, for example `starlink-gen1`, or a set
+    /// of them, for example `planned-2026`, at an epoch.
     ///
     /// The positions do not correspond to real satellites.
     ///

@@ -18,9 +18,10 @@ const NAME_LENGTH: usize = 24;
 
 /// Parses two-line, three-line and "0 NAME" sets, also mixed.
 ///
-/// Blank lines and lines that begin with `#` are skipped, and blanks before a data line are ignored. Text before, between
-/// and after the sets (bulletins, mails) is skipped, except for lines with elements in another form, and for a line alone
-/// that may be the name of a set that is missing. A line 1 or 2 without its partner is rejected, and parsing continues with the next line.
+/// Blank lines and lines that begin with `#` are skipped, and blanks before a data line are ignored. Text before,
+/// between and after the sets (bulletins, mails) is skipped, except for lines with elements in another form, and for a
+/// line alone that may be the name of a set that is missing. A line 1 or 2 without its partner is rejected, and parsing
+/// continues with the next line.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parse_in_chunks(text, after_next_set, |piece| parse_piece(piece.as_bytes(), checksums))
 }
@@ -81,8 +82,8 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
         name_in(&mut texts, &mut parsed);
         parsed.rejected.push((offset, Error::format("line 1 of an element set is not followed by its line 2")));
     } else {
-        // A file that is truncated after the name of a satellite has one line at its end, perhaps with the number of the
-        // next line.
+        // A file that is truncated after the name of a satellite has one line at its end, perhaps with the number of
+        // the next line.
         let is_number = |(_, line): &Placed| *line == b"1" || *line == b"2";
         let names = texts.len() - usize::from(texts.last().is_some_and(is_number));
         let is_missing = names == 1 && may_be_name(texts[0].1, &parsed);
@@ -102,8 +103,8 @@ fn name_in<'a>(texts: &mut Vec<Placed<'a>>, parsed: &mut Parsed) -> &'a [u8] {
     name
 }
 
-/// Rejects lines that are parts of element sets by their first characters or contain elements, or all of them if they are
-/// the name of a missing set.
+/// Rejects lines that are parts of element sets by their first characters or contain elements, or all of them if they
+/// are the name of a missing set.
 fn reject_fragments(texts: &[Placed<'_>], is_missing: bool, parsed: &mut Parsed) {
     let is_part = |line: &[u8]| {
         (line.starts_with(b"1 ") || line.starts_with(b"2 ")) && line.get(2).is_some_and(u8::is_ascii_digit)
@@ -176,8 +177,8 @@ fn elements_in(line: &[u8]) -> Option<Elements> {
 
 /// Returns true for a line that may be the name of a set that is missing, because the file is truncated after it. It is
 /// as short as the names of catalogues, has letters, and is in capitals if the name before it is. Lines of a text are
-/// not: `/EX` of packet radio, `NNNN` of telegrams, a greeting (`73 de ...`), an HTML tag, a date, an address, a remark in
-/// brackets, and any line after a set that has no name.
+/// not: `/EX` of packet radio, `NNNN` of telegrams, a greeting (`73 de ...`), an HTML tag, a date, an address, a remark
+/// in brackets, and any line after a set that has no name.
 fn may_be_name(line: &[u8], parsed: &Parsed) -> bool {
     let line = line.trim_ascii();
     let name = line.strip_prefix(b"0 ").unwrap_or(line);

@@ -41,7 +41,8 @@ const CHUNK: usize = 1 << 16;
 /// depend on the number of threads.
 ///
 /// # Errors
-/// * [`TooFewData`](ErrorKind::TooFewData) unless there are more sets than free parameters and at least as many groups as sets;
+/// * [`TooFewData`](ErrorKind::TooFewData) unless there are more sets than free parameters and at least as many groups
+///   as sets;
 /// * invalid options;
 /// * a descent does not reach a finite cost;
 /// * the errors of [`Problem::new`] if the remaining tracks give too few pixels.

@@ -37,8 +37,8 @@ pub struct ModelDescription {
 /// Returns a model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their
 /// covariance, the range of the points, and the sigma of single measurements.
 ///
-/// `singles` are residuals of single measurements (mag, preferably of held-out points) and their weights. Residuals that
-/// are not finite are left out. The model is the median of these measurements: its light is multiplied so that the
+/// `singles` are residuals of single measurements (mag, preferably of held-out points) and their weights. Residuals
+/// that are not finite are left out. The model is the median of these measurements: its light is multiplied so that the
 /// median of the residuals is 0. Sigma is the half width about the median that contains 68.3 % of the weight.
 ///
 /// # Errors

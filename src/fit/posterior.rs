@@ -1,7 +1,8 @@
 //! Posterior of a fit, sampled by an ensemble of walkers, and the file that stores the chain.
 //!
 //! The file is an ECSV table with one row for each step and walker: `step`, `walker`, the parameters, and `log_prob`.
-//! The metadata identify the fit. With astropy, `Table.read(path)["c3"].reshape(-1, walkers)` has the axes step, walker.
+//! The metadata identify the fit. With astropy, `Table.read(path)["c3"].reshape(-1, walkers)` has the axes step,
+//! walker.
 
 use std::io::{self, BufWriter, Write};
 use std::path::Path;

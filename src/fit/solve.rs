@@ -245,8 +245,8 @@ impl Fit {
         self
     }
 
-    /// Returns the weighted statistics of the residuals; `points` are the points that were given to the fit. `None` for a
-    /// fit without points.
+    /// Returns the weighted statistics of the residuals; `points` are the points that were given to the fit. `None` for
+    /// a fit without points.
     #[doc(hidden)]
     pub fn statistics(&self, points: &[FitPoint]) -> Option<ResidualStatistics> {
         let weights = self.kept.iter().map(|&index| points[index].weight);

@@ -162,7 +162,8 @@ pub(super) fn share_within(pairs: impl IntoIterator<Item = (f64, f64)>, sigma_ma
     (all > 0.0).then(|| inside / all)
 }
 
-/// Returns Akaike's information criterion of `n` independent normal residuals with `k` fitted parameters, up to a constant.
+/// Returns Akaike's information criterion of `n` independent normal residuals with `k` fitted parameters, up to a
+/// constant.
 pub(super) fn aic(rms_mag: f64, n: f64, k: usize) -> f64 {
     // n ln(RMSE²) + 2k                                                                  Lu (2024), section 4.2
     n * (rms_mag * rms_mag).ln() + 2.0 * k as f64

@@ -36,9 +36,9 @@ pub struct EmptyNight<'a> {
 /// event does not depend on `made`, and seldom on errors of a few seconds (only if the culmination passes a half hour),
 /// so that a calendar from newer elements replaces the events. An event starts at the last whole step before the
 /// visible part begins, and ends at
-/// the first one after it ends; the step is 1 s, 10 s, 1 min or 10 min, whichever is next above the error of the times. A
-/// calendar must have at least one component (section 3.6): if `empty` is given, the night is written as one transparent
-/// event with the reason.
+/// the first one after it ends; the step is 1 s, 10 s, 1 min or 10 min, whichever is next above the error of the times.
+/// A calendar must have at least one component (section 3.6): if `empty` is given, the night is written as one
+/// transparent event with the reason.
 pub fn calendar<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,

@@ -200,8 +200,8 @@ impl Forecast {
         self.found.not_shown.in_shadow > 0 && 2 * self.late.0 > self.found.satellites
     }
 
-    /// Returns true if a night without visible passes may have some: the elements of some satellites are too old, or the
-    /// times of most satellites are uncertain.
+    /// Returns true if a night without visible passes may have some: the elements of some satellites are too old, or
+    /// the times of most satellites are uncertain.
     pub fn may_have_passes(&self) -> bool {
         !self.night.dark.is_empty() && (self.unknown() > 0 || self.is_uncertain())
     }

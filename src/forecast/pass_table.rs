@@ -406,9 +406,9 @@ const READABLE_COLUMNS: [Column; 21] = [
 ];
 
 /// Returns the passes as a readable table for observers: date, magnitude, and time, altitude and direction of the
-/// brightest point, start, highest point and end. Times are rounded to 1 s, 10 s, 1 min or 10 min, whichever is next above
-/// their error. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part is listed from
-/// rise to set. With a magnitude limit, the last column is the probability of being brighter.
+/// brightest point, start, highest point and end. Times are rounded to 1 s, 10 s, 1 min or 10 min, whichever is next
+/// above their error. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part is
+/// listed from rise to set. With a magnitude limit, the last column is the probability of being brighter.
 pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: impl Fn(Epoch) -> f64) -> Table {
     let (mut columns, mut has_limit) = (READABLE_COLUMNS.to_vec(), false);
     let cells = |row: PassRow<'_>| {

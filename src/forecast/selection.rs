@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use crate::elements::{ElementSet, Generation, GenerationTable, NoradId};
 use crate::error::{Error, ErrorKind};
 
-/// Names of well-known objects that no catalogue uses, in lower case, with the NORAD number. A station is selected by its
-/// main module.
+/// Names of well-known objects that no catalogue uses, in lower case, with the NORAD number. A station is selected by
+/// its main module.
 const WELL_KNOWN: [(&str, u32); 6] = [
     ("iss", 25544),
     ("tiangong", 48274),

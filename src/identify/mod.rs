@@ -1,8 +1,8 @@
 //! Identification of the satellite of a measured streak.
 //!
-//! `streak` defines the measured streak, and `region` fits it to regions drawn around it. `search` finds the satellites of
-//! a [`Sky`](crate::passes::Sky) whose orbits pass near the streak, `compare` compares one satellite with the streak,
-//! and `likelihood` computes probabilities.
+//! `streak` defines the measured streak, and `region` fits it to regions drawn around it. `search` finds the satellites
+//! of a [`Sky`](crate::passes::Sky) whose orbits pass near the streak, `compare` compares one satellite with the
+//! streak, and `likelihood` computes probabilities.
 //!
 //! ```
 //! use streakcast::frames::{Direction, parse_instant};

@@ -1,13 +1,13 @@
 //! Point spread functions from files: an image, or the position-dependent set of images that PSFEx writes.
 //!
 //! An image (FITS, two axes) is that of a star on pixels of the frame or, with an oversampling N, on cells of 1/N of a
-//! pixel, whose light is summed to pixels. The star is at the centroid of its light, not at the middle of the image, so that
-//! images of any size and cut around any pixel can be used. The image is converted to samples of the light in a pixel of
-//! the frame as a function of the distance of the pixel from the star.
+//! pixel, whose light is summed to pixels. The star is at the centroid of its light, not at the middle of the image, so
+//! that images of any size and cut around any pixel can be used. The image is converted to samples of the light in a
+//! pixel of the frame as a function of the distance of the pixel from the star.
 //!
-//! PSFEx (Bertin 2011, ASP Conf. 442, 435) stores such samples: `PSF_MASK` has one plane for each term of a polynomial in
-//! the position, x^i y^j with i + j up to POLDEG1, in the order of j and then of i, where x = (X - POLZERO1) / POLSCAL1 and
-//! y = (Y - POLZERO2) / POLSCAL2 with FITS pixels X, Y. The distance of the samples is PSF_SAMP pixels.
+//! PSFEx (Bertin 2011, ASP Conf. 442, 435) stores such samples: `PSF_MASK` has one plane for each term of a polynomial
+//! in the position, x^i y^j with i + j up to POLDEG1, in the order of j and then of i, where x = (X - POLZERO1) /
+//! POLSCAL1 and y = (Y - POLZERO2) / POLSCAL2 with FITS pixels X, Y. The distance of the samples is PSF_SAMP pixels.
 
 use std::path::{Path, PathBuf};
 
@@ -67,8 +67,8 @@ impl PsfFile {
     /// Reads a file. `oversampling` replaces the keyword OVERSAMP of an image, which is 1 if it is missing.
     ///
     /// # Errors
-    /// The file cannot be read, has no image with a positive sum, finite values and a border without light, or a keyword is
-    /// out of range.
+    /// The file cannot be read, has no image with a positive sum, finite values and a border without light, or a
+    /// keyword is out of range.
     pub fn read(path: &Path, oversampling: Option<usize>) -> Result<Self, Error> {
         let file = FrameFile::open(path)?;
         let of_psfex: Vec<usize> = file
@@ -95,7 +95,8 @@ impl PsfFile {
         self.grids.first().map_or(1.0, |grid| (grid.step_pix * 1e6).round() / 1e6)
     }
 
-    /// Returns the point spread function of the chip in an HDU, which is one of the `chosen` of `all` images of a frame.
+    /// Returns the point spread function of the chip in an HDU, which is one of the `chosen` of `all` images of a
+    /// frame.
     ///
     /// # Errors
     /// The file has neither one set for all chips nor one for each.

@@ -1,11 +1,11 @@
 //! Regions of SAOImage DS9: boxes, polygons, lines and vectors on the sky or in pixels of a frame.
 //!
-//! Format (DS9 reference manual, "Regions"): a coordinate system (`image`, `fk5`, `j2000`, `icrs`), then shapes with their
-//! numbers in brackets or after blanks, separated by commas or blanks. Each shape is in the last system above it. `;`
-//! separates statements, `#` starts a comment, `global` lines are ignored; an excluded shape (`-`) is an error. DS9 saves
-//! vectors, projections and segments behind `#`, because other programs do not know them; vectors, projections (a line)
-//! and segments of two points are read. FK5 of equinox 2000 is read as ICRS: they differ by 0.02 arcsec. Pixels are counted
-//! from 1, and sizes in `image` are pixels.
+//! Format (DS9 reference manual, "Regions"): a coordinate system (`image`, `fk5`, `j2000`, `icrs`), then shapes with
+//! their numbers in brackets or after blanks, separated by commas or blanks. Each shape is in the last system above it.
+//! `;` separates statements, `#` starts a comment, `global` lines are ignored; an excluded shape (`-`) is an error. DS9
+//! saves vectors, projections and segments behind `#`, because other programs do not know them; vectors, projections (a
+//! line) and segments of two points are read. FK5 of equinox 2000 is read as ICRS: they differ by 0.02 arcsec. Pixels
+//! are counted from 1, and sizes in `image` are pixels.
 
 use nalgebra::Vector3;
 
@@ -99,8 +99,9 @@ pub fn parse_regions(path: &str, text: &str, shapes: &str) -> Result<Vec<Region>
     Ok(regions)
 }
 
-/// Returns the statements of a line without its comment. A comment at the beginning of a statement that is a shape of DS9
-/// is a statement; `xpaget ds9 regions -strip yes` writes all regions in one line, as `fk5;# vector(...) vector=1;`.
+/// Returns the statements of a line without its comment. A comment at the beginning of a statement that is a shape of
+/// DS9 is a statement; `xpaget ds9 regions -strip yes` writes all regions in one line, as `fk5;# vector(...)
+/// vector=1;`.
 fn statements_of(line: &str) -> Vec<&str> {
     let mut statements = Vec::new();
     let mut rest = line.trim_start();
@@ -157,7 +158,8 @@ fn outline(statement: &str, system: System, allowed: &str) -> Result<Outline, St
     .ok_or_else(|| format!("unsupported shape '{shape}'; {allowed}"))
 }
 
-/// Returns the corners or ends of a shape, `None` for an unknown one, in a coordinate system, which `position`, `size` and `moved` define.
+/// Returns the corners or ends of a shape, `None` for an unknown one, in a coordinate system, which `position`, `size`
+/// and `moved` define.
 fn corners<P>(
     shape: &str,
     numbers: &[&str],

@@ -1,11 +1,11 @@
 //! Tables of detectors of streaks, converted to the columns of [`StreakTable`](super::StreakTable).
 //!
 //! - ASTRiDE (`streaks.txt`): a line of names that begins with `#ID`, and cells separated by blanks; `ep1_x`, `ep1_y`,
-//!   `ep2_x` and `ep2_y` are the ends in pixels counted from 0. A part of a broken streak has the `ID` of the next part in
-//!   `connectivity`.
+//!   `ep2_x` and `ep2_y` are the ends in pixels counted from 0. A part of a broken streak has the `ID` of the next part
+//!   in `connectivity`.
 //! - `acstools.findsat_mrt` (`ROOT_catalog.fits`): a table with `id`, `status` and `endpoints`, the ends
-//!   ((x1, y1), (x2, y2)) in pixels counted from 0. A trail with the status 2 passed all tests of findsat_mrt; the others
-//!   are left out, as in the masks of findsat_mrt.
+//!   ((x1, y1), (x2, y2)) in pixels counted from 0. A trail with the status 2 passed all tests of findsat_mrt; the
+//!   others are left out, as in the masks of findsat_mrt.
 //! - The same tables that astropy read and wrote as CSV, ECSV or FITS, and FITS tables with the columns of
 //!   [`StreakTable`](super::StreakTable).
 //! - Regions of SAOImage DS9 (`regions.rs`) with two ends: `line`, `vector`, `segment` and `projection`. The text of a
@@ -186,8 +186,8 @@ fn astride(path: &Path, rows: TableRows, invalid: &mut Vec<Error>) -> String {
         let [name, ends @ ..] = columns.map(text);
         streaks.push((Detected { line: row.line, name, ends }, text(connectivity)));
     }
-    // From the last row, because the next part of a streak is below. A streak that was joined with another one is `None`,
-    // and `into` has the number of the whole.
+    // From the last row, because the next part of a streak is below. A streak that was joined with another one is
+    // `None`, and `into` has the number of the whole.
     let (mut joined, mut into): (Vec<Option<Detected>>, Vec<usize>) = (Vec::new(), Vec::new());
     let mut of_part: HashMap<String, usize> = HashMap::new();
     while let Some((streak, next)) = streaks.pop() {

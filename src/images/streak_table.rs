@@ -1,5 +1,5 @@
-//! Table of streaks that a user or a detector of streaks wrote, one row a streak: the ends of each streak in pixels or on
-//! the sky, and the frame to which it belongs. Upper and lower case of the names of columns are equivalent, unless
+//! Table of streaks that a user or a detector of streaks wrote, one row a streak: the ends of each streak in pixels or
+//! on the sky, and the frame to which it belongs. Upper and lower case of the names of columns are equivalent, unless
 //! names differ in nothing else.
 
 use std::io;
@@ -200,7 +200,8 @@ impl StreakTable {
         Ok((table, more))
     }
 
-    /// Returns remarks about the columns: which group gives the ends if there are several, and which columns are not used.
+    /// Returns remarks about the columns: which group gives the ends if there are several, and which columns are not
+    /// used.
     pub(crate) fn remarks(&self) -> Vec<String> {
         let path = self.path.display();
         let groups: Vec<String> =

@@ -41,8 +41,8 @@ pub struct Telescope {
     /// Width of a mask that is the same for all streaks, arcsec.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mask_arcsec: Option<f64>,
-    /// Share of an exposure that is lost to a bright streak across the whole field; 0 to 100; 0.08 if omitted. With a value
-    /// above 1 a bright streak costs more than the exposure.
+    /// Share of an exposure that is lost to a bright streak across the whole field; 0 to 100; 0.08 if omitted. With a
+    /// value above 1 a bright streak costs more than the exposure.
     ///
     /// The default is that of 15 lost CCDs of 189 (Hu et al. 2022, ApJL 941, L15, section 2).
     #[serde(default = "default_bright_share")]
@@ -157,8 +157,8 @@ macro_rules! presets {
 }
 presets!("atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf");
 
-/// Names of the bands for which magnitudes of bright streaks can be given. They are listed here so that this module does
-/// not depend on photometry.
+/// Names of the bands for which magnitudes of bright streaks can be given. They are listed here so that this module
+/// does not depend on photometry.
 const BANDS: [&str; 16] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G", "J", "H", "K", "W1", "W2"];
 
 impl Telescope {

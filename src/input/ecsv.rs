@@ -1,4 +1,5 @@
-//! ECSV: a YAML header in comments, with units and, for astropy's `Time` columns, the time scale; a line of names; rows.
+//! ECSV: a YAML header in comments, with units and, for astropy's `Time` columns, the time scale; a line of names;
+//! rows.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -158,8 +159,8 @@ impl Ecsv {
         split(line, self.delimiter)
     }
 
-    /// Returns the units in the header, by column name. Columns of astropy's `TimeDelta` are in days, or in seconds with the
-    /// format `sec`.
+    /// Returns the units in the header, by column name. Columns of astropy's `TimeDelta` are in days, or in seconds
+    /// with the format `sec`.
     pub fn units(&self) -> BTreeMap<String, String> {
         let columns = self.header.as_ref().and_then(|header| get(header, "datatype"));
         let Some(YamlOwned::Sequence(columns)) = columns else { return BTreeMap::new() };

@@ -83,8 +83,8 @@ impl TableRow {
         self.text(column).parse::<f64>().ok().map(|number| number * column.scale)
     }
 
-    /// Returns the contradiction of the number in a cell and that in another column of the same quantity; `None` if there
-    /// is none. Cells that are not numbers are not compared.
+    /// Returns the contradiction of the number in a cell and that in another column of the same quantity; `None` if
+    /// there is none. Cells that are not numbers are not compared.
     pub fn contradiction(&self, column: Column) -> Option<Error> {
         let OtherColumn { index, scale, unit } = column.other?;
         let cell = self.cells.get(index).unwrap_or_default();
@@ -239,8 +239,8 @@ impl TableRows {
     }
 
     /// Returns a column of numbers, which are converted to `unit`; `None` if it is missing. It has one of the names in
-    /// `accepted`, in order of preference, or such a name with another unit at its end. A second column with an accepted
-    /// name and an accepted unit is compared with it, row by row.
+    /// `accepted`, in order of preference, or such a name with another unit at its end. A second column with an
+    /// accepted name and an accepted unit is compared with it, row by row.
     ///
     /// # Errors
     /// The unit is unknown or contradicts the name of the column.
@@ -362,8 +362,8 @@ pub fn comments_warning(comments_like_rows: usize) -> Option<String> {
 /// Returns the number of comments below the line of names of CSV that have as many cells as it.
 ///
 /// # Errors
-/// The line, from 1, in which a quoted cell begins that ends nowhere. Readers would take all following rows for a part of
-/// it.
+/// The line, from 1, in which a quoted cell begins that ends nowhere. Readers would take all following rows for a part
+/// of it.
 pub fn comments_like_rows(text: &str, delimiter: u8) -> Result<usize, usize> {
     let names = first_line(text).bytes().filter(|byte| *byte == delimiter).count();
     let mut line = 1;

@@ -47,7 +47,8 @@ impl MeasuredDelay {
 /// no delay and are omitted.
 ///
 /// # Errors
-/// The file cannot be read, a column is missing, a number is invalid, or the table was measured with a learned file, so that its errors are corrected already.
+/// The file cannot be read, a column is missing, a number is invalid, or the table was measured with a learned file, so
+/// that its errors are corrected already.
 pub fn read_delays(path: &Path) -> Result<Vec<MeasuredDelay>, Error> {
     let error = |problem: String| Error::new(ErrorKind::Invalid, problem).in_file("measurements", path);
     let failed = |problem: std::io::Error| error(problem.to_string());

@@ -57,7 +57,8 @@ impl Extent {
 /// `models` must not apply a learned file. `provenance` names the files and options.
 ///
 /// # Errors
-/// [`TooFewData`](crate::ErrorKind::TooFewData) without passes; [`Cancelled`](crate::ErrorKind::Cancelled) if `watch` stops.
+/// [`TooFewData`](crate::ErrorKind::TooFewData) without passes; [`Cancelled`](crate::ErrorKind::Cancelled) if `watch`
+/// stops.
 pub fn learn(
     passes: &[Pass],
     delays: &BTreeMap<Generation, Vec<MeasuredDelay>>,

@@ -129,7 +129,8 @@ const MOST_JUDGED: usize = 500;
 /// Returns true if offsets of single satellites predict their other passes better than the offset of the kind: the mean
 /// absolute difference of the medians of passes is smaller. Each pass is predicted without itself.
 ///
-/// True with fewer than ten passes of satellites that have others: the offsets are then shrunk towards that of the kind.
+/// True with fewer than ten passes of satellites that have others: the offsets are then shrunk towards that of the
+/// kind.
 ///
 /// # Errors
 /// [`Cancelled`](crate::ErrorKind::Cancelled) if `watch` stops.

@@ -40,8 +40,8 @@ impl<'a> MapPhotometry<'a> {
         self.shaded(StandardMagnitude(standard.0 + self.colour_mag), lit_fraction)
     }
 
-    /// Returns true if each direction is computed alone: with its own integral over the Earth, or with thermal emission.
-    /// Otherwise all directions of a row are computed together.
+    /// Returns true if each direction is computed alone: with its own integral over the Earth, or with thermal
+    /// emission. Otherwise all directions of a row are computed together.
     pub fn is_single(&self) -> bool {
         let has_earthshine = self.options.earthshine != Earthshine::Off && self.model.is_of_panels();
         has_earthshine || self.shines_in_shadow()

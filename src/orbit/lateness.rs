@@ -183,8 +183,8 @@ impl Lateness {
     }
 
     /// Delays (seconds) with their probabilities that represent the searched part of the distribution. A Gaussian of at
-    /// least `step_s` is represented by delays one sigma apart, of which the first is shifted by `offset` sigmas, [0, 1);
-    /// a narrower one by its mean.
+    /// least `step_s` is represented by delays one sigma apart, of which the first is shifted by `offset` sigmas, [0,
+    /// 1); a narrower one by its mean.
     pub fn delays(&self, step_s: f64, offset: f64) -> impl Iterator<Item = (f64, f64)> + use<> {
         let reach_s = self.reach_s();
         let of_part = move |(weight, sigma_s): (f64, f64)| {

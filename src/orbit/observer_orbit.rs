@@ -55,8 +55,8 @@ impl ObserverOrbit {
         tables.iter().enumerate().any(|(at, table)| tables[at + 1..].iter().any(|other| table.contradicts(other)))
     }
 
-    /// Returns the longest part of an interval around another one, `inner`, for which one ephemeris gives positions; the
-    /// whole interval for an element set. `None` if no ephemeris covers `inner`: positions in it are unknown.
+    /// Returns the longest part of an interval around another one, `inner`, for which one ephemeris gives positions;
+    /// the whole interval for an element set. `None` if no ephemeris covers `inner`: positions in it are unknown.
     pub fn known_part(&self, outer: [Epoch; 2], inner: [Epoch; 2]) -> Option<[Epoch; 2]> {
         let Source::Ephemerides(tables) = &self.0 else { return Some(outer) };
         let of_table = |table: &EphemerisTable| {

@@ -1,32 +1,33 @@
 //! Orbit of one satellite from its element sets: one gives the position, the others the mean motion.
 //!
-//! The mean motion in one element set of a Starlink satellite is uncertain by 0.3 s (V1.5) to 1.5 s (Direct-to-Cell) per
-//! day, and mostly with the same sign for all satellites of a day. For a satellite that holds its orbit, the mean motion
-//! between the epochs of two element sets is three to ten times better:
+//! The mean motion in one element set of a Starlink satellite is uncertain by 0.3 s (V1.5) to 1.5 s (Direct-to-Cell)
+//! per day, and mostly with the same sign for all satellites of a day. For a satellite that holds its orbit, the mean
+//! motion between the epochs of two element sets is three to ten times better:
 //!
 //! ```text
 //! n_obs = n_o - L / (P Δ),     B* = 0      if |n_obs - (n₀ - 2 τ ṅ/2)| P ≤ 4 s/day + D        rev/day
 //! ```
 //!
-//! where L (seconds) is the lateness of the older set with B* = 0 at the epoch of the newer one, Δ (days) the time between
-//! the epochs, P the period and D = |ṅ/2| P. Otherwise the satellite changed its orbit between the epochs: the prediction
-//! is that of one set (with 2 τ = -0.45 d in strong drag and for Direct-to-Cell), and its error distribution is wider.
+//! where L (seconds) is the lateness of the older set with B* = 0 at the epoch of the newer one, Δ (days) the time
+//! between the epochs, P the period and D = |ṅ/2| P. Otherwise the satellite changed its orbit between the epochs: the
+//! prediction is that of one set (with 2 τ = -0.45 d in strong drag and for Direct-to-Cell), and its error distribution
+//! is wider.
 //!
-//! A satellite that does not cancel its drag had the mean motion n₀ - ṅ/2 Δ between the epochs. If n_obs agrees with it,
-//! the satellite is coasting, and the published drag is applied.
+//! A satellite that does not cancel its drag had the mean motion n₀ - ṅ/2 Δ between the epochs. If n_obs agrees with
+//! it, the satellite is coasting, and the published drag is applied.
 //!
 //! With three or more sets, those about 3, 7 and 14 days from the epoch, the position along the track is fitted by a
-//! straight line: the mean motion between the epoch and each set gives the phase of the satellite at that set relative to
-//! the prediction.
+//! straight line: the mean motion between the epoch and each set gives the phase of the satellite at that set relative
+//! to the prediction.
 //!
-//! A V1.5 that is being lowered changes its mean motion at a nearly constant rate ρ = (n₀ - n_obs) / Δ, several times the
-//! published one. It is propagated with the mean motion n₀ - 0.72 ρ at epoch and with the drag of that rate.
+//! A V1.5 that is being lowered changes its mean motion at a nearly constant rate ρ = (n₀ - n_obs) / Δ, several times
+//! the published one. It is propagated with the mean motion n₀ - 0.72 ρ at epoch and with the drag of that rate.
 //!
 //! An element set on the other side of the exposure is preferred, because the error vanishes at both epochs.
 //!
-//! The Starlinks of a shell keep one mean motion ([`Shells`]). A satellite whose mean motion is within 10 s/day of it is
-//! propagated with it, also if it changed its orbit between the epochs. The older sets then improve its position at the
-//! epoch.
+//! The Starlinks of a shell keep one mean motion ([`Shells`]). A satellite whose mean motion is within 10 s/day of it
+//! is propagated with it, also if it changed its orbit between the epochs. The older sets then improve its position at
+//! the epoch.
 
 use std::f64::consts::{PI, TAU};
 
@@ -86,11 +87,11 @@ pub struct OrbitModel {
 }
 
 impl OrbitModel {
-    /// Returns the orbit of a satellite near the time `moment` from the element set closest to it and from others of the
-    /// same satellite, in any order.
+    /// Returns the orbit of a satellite near the time `moment` from the element set closest to it and from others of
+    /// the same satellite, in any order.
     ///
-    /// Sets closer than 2.5 days or farther than 16 days, and those of another orbit or with another COSPAR designator, are
-    /// not used. Satellites other than Starlinks are propagated with `set` alone.
+    /// Sets closer than 2.5 days or farther than 16 days, and those of another orbit or with another COSPAR designator,
+    /// are not used. Satellites other than Starlinks are propagated with `set` alone.
     pub fn from_sets(set: &ElementSet, others: &[ElementSet], moment: Epoch, drag: DragModel) -> Self {
         Self::from_links(set, &Links::of_class(set, others, moment, drag), drag)
     }

@@ -1,8 +1,8 @@
 //! Mean motions that many satellites of one inclination share: the shells of a constellation.
 //!
-//! The Starlinks of a shell keep the same mean motion, so that they do not drift apart. The median over a shell is better
-//! than the mean motion between two element sets of one satellite, and it is also that of satellites which have just
-//! arrived (docs/explanation/uncertainty.md).
+//! The Starlinks of a shell keep the same mean motion, so that they do not drift apart. The median over a shell is
+//! better than the mean motion between two element sets of one satellite, and it is also that of satellites which have
+//! just arrived (docs/explanation/uncertainty.md).
 
 use crate::constants::DAY_S;
 
@@ -43,7 +43,8 @@ impl Shells {
     }
 }
 
-/// Returns the shells of satellites of about one inclination, the largest shell first. `group` is sorted by inclination.
+/// Returns the shells of satellites of about one inclination, the largest shell first. `group` is sorted by
+/// inclination.
 fn shells_of_group(group: &[(f64, f64)]) -> Vec<Shell> {
     let inclination_deg = group[group.len() / 2].0;
     let mut values: Vec<f64> = group.iter().map(|(_, mean_motion)| *mean_motion).collect();

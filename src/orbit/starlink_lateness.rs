@@ -8,12 +8,12 @@
 //! satellites that manoeuvred since the epoch (w = 90 t, with the age t in days) or, in classes whose satellites change
 //! their orbits, an ordinary part of the distribution. It is searched for in the latter case only.
 //!
-//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026: those of shells and of
-//! raising satellites by `tests/reference/calibrate_starlink_lateness.py` (start days before and from 15 June on have the
-//! same weight), those of rates and disagreeing sets without element sets of 15, 17, ..., 29 June.
-//! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md). June was quiet.
-//! Widths with one set are therefore up to 3 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most probable
-//! ones. In the histories of 72 satellites until August, one sigma of `Station` contains 61-67 %.
+//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026: those of shells and
+//! of raising satellites by `tests/reference/calibrate_starlink_lateness.py` (start days before and from 15 June on
+//! have the same weight), those of rates and disagreeing sets without element sets of 15, 17, ..., 29 June.
+//! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md). June was
+//! quiet. Widths with one set are therefore up to 3 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most
+//! probable ones. In the histories of 72 satellites until August, one sigma of `Station` contains 61-67 %.
 
 use super::lateness::Lateness;
 use super::station_keeping::{MeanMotion, StarlinkClass};

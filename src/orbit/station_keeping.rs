@@ -1,16 +1,16 @@
 //! Classes of Starlink satellites by their thrust and drag, and the elements that SGP4 propagates for each.
 //!
 //! SGP4 applies the drag of the element set (B*). A satellite that holds its orbit cancels that drag by thrust, so SGP4
-//! lets it fall and run ahead of its true position: by 39 s in a week (68 %) for Starlink V2 Minis. Without drag the mean
-//! motion of the element set must change too. It was fitted together with the drag and is valid at the epoch, while the
-//! satellite keeps the mean motion that it had during the observations before the epoch.
+//! lets it fall and run ahead of its true position: by 39 s in a week (68 %) for Starlink V2 Minis. Without drag the
+//! mean motion of the element set must change too. It was fitted together with the drag and is valid at the epoch,
+//! while the satellite keeps the mean motion that it had during the observations before the epoch.
 //!
 //! ```text
 //! B* = 0,    n = n₀ - 2 τ (ṅ/2)                                           rev/day
 //! ```
 //!
-//! with the published ṅ/2 and one lag τ for each class of satellite. An element set of another epoch gives a better mean
-//! motion (`orbit_model.rs`). The remaining errors are in `starlink_lateness.rs`.
+//! with the published ṅ/2 and one lag τ for each class of satellite. An element set of another epoch gives a better
+//! mean motion (`orbit_model.rs`). The remaining errors are in `starlink_lateness.rs`.
 //!
 //! `tests/reference/calibrate_station_keeping.py` calibrates the lags on the Starlink catalogue of June 2026
 //! (docs/explanation/uncertainty.md).
@@ -228,8 +228,8 @@ impl StarlinkClass {
         Some(lagged(published, self.twice_lag_day()?))
     }
 
-    /// Returns the mean motion of a satellite of this class that changed its orbit a short time before the epoch, rev/day;
-    /// `None` where the published drag is applied.
+    /// Returns the mean motion of a satellite of this class that changed its orbit a short time before the epoch,
+    /// rev/day; `None` where the published drag is applied.
     ///
     /// The element set of a V2 Mini that has just arrived at its height was fitted to observations of which a part is
     /// from before the arrival, and its mean motion lags behind: 2 τ is negative.

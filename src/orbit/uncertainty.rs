@@ -59,8 +59,8 @@ const CROSS_CAP_KM: f64 = 1_000.0;
 const CALIBRATED_STATION_KEEPING_DAYS: f64 = 21.0;
 /// Largest age in the calibration of all other satellites, days.
 const CALIBRATED_DAYS: f64 = 400.0;
-/// Smallest share of the crossings that must be found for a prediction to be of use. Below it, more crossings are missed
-/// than found, so that "no crossing" has no meaning.
+/// Smallest share of the crossings that must be found for a prediction to be of use. Below it, more crossings are
+/// missed than found, so that "no crossing" has no meaning.
 pub const LEAST_KNOWN_SHARE: f64 = 0.5;
 /// Published ṅ/2 above which a satellite of a constellation counts as manoeuvring, rev/day²; at 550 km the height then
 /// changes by 190 m a day.
@@ -70,8 +70,8 @@ const MANOEUVRING_REV_DAY2: f64 = 3e-4;
 const STATION_DRAG_S_DAY2: f64 = 1.0;
 /// Mean time between raises of the orbit of a space station, days.
 const STATION_RAISE_DAYS: f64 = 30.0;
-/// Width of the delays of stations whose orbit was raised since the epoch, s per day of age: a velocity of 1 m/s changes
-/// the delay by 34 s a day, and raises are equally probable at each time since the epoch.
+/// Width of the delays of stations whose orbit was raised since the epoch, s per day of age: a velocity of 1 m/s
+/// changes the delay by 34 s a day, and raises are equally probable at each time since the epoch.
 const STATION_RAISE_S_DAY: f64 = 18.0;
 
 /// One-sigma error of a predicted position.
@@ -212,8 +212,8 @@ impl OrbitClass {
     /// Returns the largest delay that is searched between two ages in days, seconds.
     pub fn largest_reach_s(&self, ages_days: [f64; 2]) -> f64 {
         let [first, last] = ages_days;
-        // Errors grow with the distance in time from the epoch, except between two epochs, where they are largest in the
-        // middle.
+        // Errors grow with the distance in time from the epoch, except between two epochs, where they are largest in
+        // the middle.
         let middle = (0.5 * self.baseline_days).clamp(first.min(last), first.max(last));
         let reach_s = |age_days: f64| self.lateness(age_days).reach_s();
         reach_s(first).max(reach_s(last)).max(if self.mean_motion() == MeanMotion::Enclosed {

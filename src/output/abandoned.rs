@@ -6,7 +6,8 @@
 //! - it is a regular file, or a folder with a file [`LOCK`] that contains [`MARKER`], or that is empty and alone in the
 //!   folder (of a process that was killed before it wrote the marker); links are not followed;
 //! - it belongs to the effective user of this process;
-//! - no process holds its lock. A process keeps its temporary files locked, and the system drops the locks when it ends.
+//! - no process holds its lock. A process keeps its temporary files locked, and the system drops the locks when it
+//!   ends.
 //!
 //! Removal refers to the open folder, and the file must still be the one that was examined. A file of the same name
 //! could be lost only if it took this name in the microseconds in between.

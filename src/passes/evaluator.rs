@@ -55,8 +55,8 @@ impl PassEvaluator<'_> {
         self.point_over(time_s, 0.0, here.as_ref())
     }
 
-    /// Returns the same as [`PassEvaluator::point`] for a satellite that is late by `late_s`, given the state of the site
-    /// at that time (`None` for an observer in orbit).
+    /// Returns the same as [`PassEvaluator::point`] for a satellite that is late by `late_s`, given the state of the
+    /// site at that time (`None` for an observer in orbit).
     pub fn point_over(&self, time_s: f64, late_s: f64, here: Option<&ObserverState>) -> Option<TrackPoint> {
         let (state, observer, aspect) = self.line.delayed_aspect(time_s, late_s);
         let (geometry, illumination, brightness) = self.light_at(time_s, &state.position, &observer)?;

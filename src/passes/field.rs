@@ -165,8 +165,8 @@ impl Field {
     }
 
     /// Returns the mean over all directions of the width of the field across the direction, degrees on the tangent
-    /// plane. Parts of the direction's normal that several shapes cover count once. An object that crosses at the angular
-    /// rate ω for the time t is in the field with a probability proportional to area + ω t × width.
+    /// plane. Parts of the direction's normal that several shapes cover count once. An object that crosses at the
+    /// angular rate ω for the time t is in the field with a probability proportional to area + ω t × width.
     pub fn mean_width_deg(&self) -> f64 {
         const DIRECTIONS: usize = 180;
         let outlines = self.outlines_deg(360);

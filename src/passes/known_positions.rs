@@ -24,8 +24,8 @@ impl Sky {
         known
     }
 
-    /// Returns a warning if the position of a telescope in orbit is not known well enough at a time for the crossings of
-    /// a circle on the sky, such as that around a frame. `of` names what is searched in the circle.
+    /// Returns a warning if the position of a telescope in orbit is not known well enough at a time for the crossings
+    /// of a circle on the sky, such as that around a frame. `of` names what is searched in the circle.
     pub(crate) fn unknown_observer_warning(&self, of: &str, epoch: Epoch, radius_rad: f64) -> Option<String> {
         let (reason, _) = self.viewpoint().orbit()?.reason_unknown(epoch, radius_rad)?;
         Some(format!("{of}: {reason}: most predictions are wrong; specify elements of the telescope of that time"))

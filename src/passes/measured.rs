@@ -36,10 +36,10 @@ pub struct MeasuredMagnitude {
     pub sigma_mag: f64,
 }
 
-/// Reads a CSV or ECSV table with the columns `norad_id`, `mid_utc`, `magnitude` and `magnitude_sigma`, for example one that
-/// `streakcast measure` wrote. Lines that begin with `#`, rows without a magnitude, and rows whose `flags` contain
-/// `saturated`, `clipped`, `masked` or `position` or whose `calibrated` is `false` are omitted, and so are streaks of unknown
-/// satellites in a table with the column `streak` (`measure --streaks`).
+/// Reads a CSV or ECSV table with the columns `norad_id`, `mid_utc`, `magnitude` and `magnitude_sigma`, for example one
+/// that `streakcast measure` wrote. Lines that begin with `#`, rows without a magnitude, and rows whose `flags` contain
+/// `saturated`, `clipped`, `masked` or `position` or whose `calibrated` is `false` are omitted, and so are streaks of
+/// unknown satellites in a table with the column `streak` (`measure --streaks`).
 ///
 /// # Errors
 /// The file cannot be read, a column is missing or a value is invalid.

@@ -1,7 +1,7 @@
 //! Satellites of a sky that are the observing telescope itself, whatever their catalogue numbers are.
 //!
-//! The telescope is left out of all searches. It is found by its number and, because ephemerides and element sets may have
-//! wrong or no numbers, by its orbit: nothing else stays within kilometres of it.
+//! The telescope is left out of all searches. It is found by its number and, because ephemerides and element sets may
+//! have wrong or no numbers, by its orbit: nothing else stays within kilometres of it.
 
 use hifitime::Epoch;
 

@@ -2,9 +2,9 @@
 //!
 //! A satellite whose elements are too old is left out of every search
 //! ([`OrbitClass::is_known`](crate::orbit::OrbitClass::is_known)). An exposure cannot be
-//! judged if the search finds less than half of all crossings ([`Predictability::is_unknown`]): "no crossing" would then
-//! be wrong more often than right. Synthetic satellites are always known, and so is a satellite whose ephemeris covers
-//! the time.
+//! judged if the search finds less than half of all crossings ([`Predictability::is_unknown`]): "no crossing" would
+//! then be wrong more often than right. Synthetic satellites are always known, and so is a satellite whose ephemeris
+//! covers the time.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -14,14 +14,16 @@ use crate::orbit::{LEAST_KNOWN_SHARE, Lateness, elements_of_age};
 /// Number of cached times.
 const CACHED: usize = 64;
 
-/// How well the positions of the satellites of a catalogue are known at a time. All satellites count, wherever they are.
+/// How well the positions of the satellites of a catalogue are known at a time. All satellites count, wherever they
+/// are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Predictability {
     /// Number of satellites that can be propagated.
     pub satellites: usize,
     /// Number of these whose position is unknown, because their elements are too old.
     pub unknown: usize,
-    /// Share of all crossings that the search finds, [0, 1]: the mean over the satellites; 0 for one of unknown position.
+    /// Share of all crossings that the search finds, [0, 1]: the mean over the satellites; 0 for one of unknown
+    /// position.
     pub searched_share: f64,
     /// Median age of the elements, days, negative if their epochs are later: of the satellites of unknown position if
     /// exposures cannot be judged, otherwise of those of known position. NaN without satellites.

@@ -98,8 +98,8 @@ const LEAST_CACHED_WINDOWS: usize = 4;
 /// and computing the three windows of a night takes as long as the crossings of 700 exposures.
 const CACHED_SATELLITES: usize = 500_000;
 
-/// Returns the start of window 0. It is in UTC, as the epochs of element sets, so that times of windows are compared with
-/// them without a conversion for each satellite.
+/// Returns the start of window 0. It is in UTC, as the epochs of element sets, so that times of windows are compared
+/// with them without a conversion for each satellite.
 fn start_of_windows() -> Epoch {
     Epoch::from_utc_duration(Duration::ZERO)
 }
@@ -125,10 +125,10 @@ impl WindowCache {
     /// Returns the windows that contain the time between the two `ends`, in order. Missing windows are computed on all
     /// threads.
     ///
-    /// `unknown` returns the reason why a satellite has no known position at a time; its arguments are the element index
-    /// and the middle of a window. `reach` returns the distance from the predicted position within which a satellite is
-    /// searched for; its arguments are the element index and the two ends of a window. It must be the same function in
-    /// every call.
+    /// `unknown` returns the reason why a satellite has no known position at a time; its arguments are the element
+    /// index and the middle of a window. `reach` returns the distance from the predicted position within which a
+    /// satellite is searched for; its arguments are the element index and the two ends of a window. It must be the same
+    /// function in every call.
     pub fn over(
         &self,
         index: &SatelliteIndex,

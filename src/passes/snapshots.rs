@@ -30,8 +30,8 @@ const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// Smallest number of satellites per thread.
 const TOGETHER: usize = 16;
 
-/// Positions of a satellite in a query for snapshots. It is seen at a position above the lowest altitude if it is lit there,
-/// or if `include_dark` is true.
+/// Positions of a satellite in a query for snapshots. It is seen at a position above the lowest altitude if it is lit
+/// there, or if `include_dark` is true.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SnapshotPositions {
@@ -39,8 +39,8 @@ pub enum SnapshotPositions {
     Predicted,
     /// The predicted positions at all times, if it is seen at one of them.
     WholeTrack,
-    /// The positions at which it may be seen, with probabilities: if the error of its time is more than a second, several
-    /// positions along its track for each time, which differ from time to time.
+    /// The positions at which it may be seen, with probabilities: if the error of its time is more than a second,
+    /// several positions along its track for each time, which differ from time to time.
     Possible,
 }
 
@@ -123,8 +123,8 @@ impl Sky {
     /// without a position.
     ///
     /// # Errors
-    /// A time is outside the years of the Sun's ephemeris; the observer is in orbit; an altitude is below 0 or above π/2;
-    /// times are out of order or later than an hour; there are no times, or more than ten thousand.
+    /// A time is outside the years of the Sun's ephemeris; the observer is in orbit; an altitude is below 0 or above
+    /// π/2; times are out of order or later than an hour; there are no times, or more than ten thousand.
     pub fn snapshots(
         &self,
         start: Epoch,
@@ -197,8 +197,8 @@ impl Sky {
         self.brightness_in(element_index, point.epoch, &point.geometry, point.illumination.lit_fraction(), photometry)
     }
 
-    /// Returns the brightness as [`Self::brightness`] does, for a time, a viewing geometry and the fraction of the Sun's
-    /// light that reaches the satellite. The time selects the pass whose measurements are used.
+    /// Returns the brightness as [`Self::brightness`] does, for a time, a viewing geometry and the fraction of the
+    /// Sun's light that reaches the satellite. The time selects the pass whose measurements are used.
     pub fn brightness_in(
         &self,
         element_index: usize,
@@ -216,8 +216,8 @@ impl Sky {
         Some(if self.measured.is_empty() { light } else { self.measured.apply(element_index, epoch, geometry, light) })
     }
 
-    /// Returns the apparent magnitude of a sunlit satellite of which only orbit and geometry are known: that of the prior
-    /// for its orbit. `None` if extinction is applied and the satellite is on or below the observer's horizon.
+    /// Returns the apparent magnitude of a sunlit satellite of which only orbit and geometry are known: that of the
+    /// prior for its orbit. `None` if extinction is applied and the satellite is on or below the observer's horizon.
     pub fn prior_brightness(
         &self,
         element_index: usize,

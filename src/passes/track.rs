@@ -184,8 +184,8 @@ pub struct Pass {
     /// Parts of the track inside the field, in order of time. There may be several for mosaics and concave shapes, and
     /// none for a near miss.
     pub chords: Vec<Chord>,
-    /// Parts of the chords in which the satellite is lit ([`Illumination::is_lit`]), to a millisecond; in the thermal bands
-    /// W1 and W2 all parts.
+    /// Parts of the chords in which the satellite is lit ([`Illumination::is_lit`]), to a millisecond; in the thermal
+    /// bands W1 and W2 all parts.
     pub lit_chords: Vec<Chord>,
     /// Point at the start of the first chord; for a near miss, the closest point.
     pub enter: TrackPoint,
@@ -216,8 +216,8 @@ pub struct Pass {
     pub cross_track_sigma_rad: f64,
     /// Probability that the satellite is in the field at any time of the exposure, given these uncertainties.
     pub probability: f64,
-    /// True if the satellite is lit at any time inside the field; for a near miss, at the closest point. Always true in the
-    /// thermal bands W1 and W2, in which the illumination of the points states whether it is sunlit.
+    /// True if the satellite is lit at any time inside the field; for a near miss, at the closest point. Always true in
+    /// the thermal bands W1 and W2, in which the illumination of the points states whether it is sunlit.
     pub lit: bool,
     /// Points along the track; empty if [`samples`](super::PassOptions::samples) is 0.
     pub samples: Vec<TrackPoint>,

@@ -56,9 +56,9 @@ impl OrbitingObserver {
         })
     }
 
-    /// Creates an observer from ephemerides of one object, for example the segments of one file; `limb` bounds its view.
-    /// An exposure needs one ephemeris that covers it as a whole; of several, the one created last is used. `None` if
-    /// there are no ephemerides.
+    /// Creates an observer from ephemerides of one object, for example the segments of one file; `limb` bounds its
+    /// view. An exposure needs one ephemeris that covers it as a whole; of several, the one created last is used.
+    /// `None` if there are no ephemerides.
     pub fn from_ephemerides(ephemerides: &[Arc<Ephemeris>], eop: &EopTable, limb: EarthLimb) -> Option<Self> {
         let first = ephemerides.first()?;
         Some(Self {
@@ -79,7 +79,8 @@ impl OrbitingObserver {
         Self { object: EphemerisObject::Norad(norad_id), ..self }
     }
 
-    /// Returns the name in the element set or ephemeris, or the catalogue number or COSPAR designator if it has no name.
+    /// Returns the name in the element set or ephemeris, or the catalogue number or COSPAR designator if it has no
+    /// name.
     pub fn name(&self) -> String {
         if self.name.is_empty() { self.object.to_string() } else { self.name.clone() }
     }

@@ -71,8 +71,9 @@ pub struct BrightnessLimit {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Visibility {
-    /// Start of the visible part: the rise, the exit from the geometric shadow, nightfall, or the start of the search. If
-    /// all of the pass by night is in the geometric shadow, the part of it with light from the atmosphere is visible.
+    /// Start of the visible part: the rise, the exit from the geometric shadow, nightfall, or the start of the search.
+    /// If all of the pass by night is in the geometric shadow, the part of it with light from the atmosphere is
+    /// visible.
     ///
     /// The geometric shadow is that of the solid Earth; it begins with its penumbra. Behind the atmosphere, a tenth of
     /// the light remains there for a satellite at 420 km.

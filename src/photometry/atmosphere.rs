@@ -79,9 +79,9 @@ fn zenith_sky_mag_arcsec2(sun_altitude_rad: f64) -> f64 {
 
 /// Returns the magnitude of the faintest star that a practised eye sees against a sky.
 ///
-/// Schaefer (1998, Sky & Telescope 95(5), 57), after Hecht (1947): the threshold of the eye is C (1 + √(K b))² foot candles
-/// for a sky of b nanolamberts, with one pair of constants for rods and one for cones. The constants are those of later
-/// programs that quote him, and b is from Krisciunas & Schaefer (1991, PASP 103, 1033).
+/// Schaefer (1998, Sky & Telescope 95(5), 57), after Hecht (1947): the threshold of the eye is C (1 + √(K b))² foot
+/// candles for a sky of b nanolamberts, with one pair of constants for rods and one for cones. The constants are those
+/// of later programs that quote him, and b is from Krisciunas & Schaefer (1991, PASP 103, 1033).
 fn naked_eye_limit_mag(sky_mag_arcsec2: f64) -> f64 {
     // b = 34.08 exp(20.7233 - 0.92104 μ)
     let sky_nl = 34.08 * (20.7233 - 0.92104 * sky_mag_arcsec2).exp();
@@ -114,8 +114,8 @@ mod tests {
         within(Band::LsstY, 2663.0, [0.01, 0.05]);
     }
 
-    /// The dark sky of Paranal in V is 21.6 +- 0.2 mag/arcsec²; stars of magnitude 6 to 6.5 are visible in the dark, those
-    /// of magnitude 3 to 4 at the end of civil twilight with practice, and Venus by day.
+    /// The dark sky of Paranal in V is 21.6 +- 0.2 mag/arcsec²; stars of magnitude 6 to 6.5 are visible in the dark,
+    /// those of magnitude 3 to 4 at the end of civil twilight with practice, and Venus by day.
     #[test]
     fn valid_sky_and_eye_against_common_values() {
         assert!((DARK_SKY_MAG_ARCSEC2 - 21.8).abs() < 0.3, "{DARK_SKY_MAG_ARCSEC2}");

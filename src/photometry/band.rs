@@ -176,9 +176,9 @@ impl Band {
         self.black_body_mag(MagSystem::Ab).is_some()
     }
 
-    /// Returns true if satellites in the Earth's shadow are not much fainter than others: their emission is at least 1 %
-    /// of the sunlight that a diffuse body of the same area reflects. This holds in W1, W2 and response curves
-    /// beyond about 3 µm, not in K (10 mag).
+    /// Returns true if satellites in the Earth's shadow are not much fainter than others: their emission is at least 1
+    /// % of the sunlight that a diffuse body of the same area reflects. This holds in W1, W2 and response curves beyond
+    /// about 3 µm, not in K (10 mag).
     #[doc(hidden)]
     pub fn is_thermal(self) -> bool {
         self.black_body_mag(MagSystem::Ab)

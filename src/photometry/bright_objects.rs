@@ -2,9 +2,9 @@
 //! cubesats, which are much fainter than the satellites of unknown brightness.
 //!
 //! `bright_objects.csv` has the source of every magnitude. A row with a catalogue number is one object. A row without
-//! one is a class: all rocket bodies of this name, where a stage number in parentheses is ignored, or, if it ends in `*`,
-//! all satellites whose name begins with it. A row with `part_of`
-//! is a module of a station; its light is included in the magnitude of that station.
+//! one is a class: all rocket bodies of this name, where a stage number in parentheses is ignored, or, if it ends in
+//! `*`, all satellites whose name begins with it. A row with `part_of` is a module of a station; its light is included
+//! in the magnitude of that station.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -10,8 +10,9 @@ use super::magnitude::Magnitude;
 /// Source of a magnitude; cloning it is fast.
 ///
 /// It is displayed as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or of
-/// a class of objects), `prior` (unknown satellite) or `thermal` (mostly thermal emission, in the infrared). The name of a model is followed by ` (kind assumed)` if the kind
-/// of the satellite is assumed, and by ` (learned)` if offsets learned from measurements are applied.
+/// a class of objects), `prior` (unknown satellite) or `thermal` (mostly thermal emission, in the infrared). The name
+/// of a model is followed by ` (kind assumed)` if the kind of the satellite is assumed, and by ` (learned)` if offsets
+/// learned from measurements are applied.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum MagnitudeSource {

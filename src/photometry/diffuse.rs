@@ -13,8 +13,8 @@ use crate::math::quantile::median;
 /// standard magnitude of the list qs.mag (68 % are within 1.5 mag).
 pub(super) const DIFFUSE_SIGMA_MAG: f64 = 1.5;
 
-/// Angle above which the diffuse body counts fully, radians: that of the Sun above its largest fitted latitude, or of the
-/// observer above the plane of the satellite's horizon. For smaller angles its light is proportional to them.
+/// Angle above which the diffuse body counts fully, radians: that of the Sun above its largest fitted latitude, or of
+/// the observer above the plane of the satellite's horizon. For smaller angles its light is proportional to them.
 const FULL_RAD: f64 = 5.0 * PI / 180.0;
 
 /// Least share of the light of the diffuse body, 5 mag fainter. Assumed: panels alone may reflect nothing, as no
@@ -76,8 +76,8 @@ impl DiffuseBody {
             .then(|| Self { half_lit_m2_sr: median(ratios), sun_latitude_rad: ranges.sun_latitude_rad[1] })
     }
 
-    /// Returns the reflection that is at least to be expected in a geometry, m² sr⁻¹: 1 % of that of the diffuse body with
-    /// the Sun below its largest fitted latitude and the observer below the plane of the satellite's horizon.
+    /// Returns the reflection that is at least to be expected in a geometry, m² sr⁻¹: 1 % of that of the diffuse body
+    /// with the Sun below its largest fitted latitude and the observer below the plane of the satellite's horizon.
     pub fn reflection_m2_sr(&self, geometry: &ViewingGeometry) -> f64 {
         let above_rad = (geometry.sun_latitude_rad - self.sun_latitude_rad).max(geometry.observer_latitude_rad);
         let share = (above_rad / FULL_RAD).clamp(LEAST_SHARE, 1.0);

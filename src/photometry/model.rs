@@ -368,8 +368,8 @@ impl BrightnessModel {
     /// elsewhere it is at most 5 mag fainter than this body. The source then ends with `(diffuse body)`. Without
     /// earthshine, magnitudes are those of sunlight on the panels alone.
     ///
-    /// In K, W1, W2 and response curves beyond about 2 µm, thermal emission is added, and a satellite without sunlight has
-    /// a magnitude.
+    /// In K, W1, W2 and response curves beyond about 2 µm, thermal emission is added, and a satellite without sunlight
+    /// has a magnitude.
     pub fn brightness(
         &self,
         geometry: &ViewingGeometry,

@@ -6,8 +6,8 @@
 //! c(D) = 0.9 exp(-D / 12°),    D² = (angle between the directions to the observer)² + (change of the Sun's latitude)²
 //! ```
 //!
-//! with both angles in the body frame. After one measurement with the residual r the magnitude changes by c r, and sigma
-//! is multiplied by √(1 - c²). Several measurements are combined as those of a Gaussian process.
+//! with both angles in the body frame. After one measurement with the residual r the magnitude changes by c r, and
+//! sigma is multiplied by √(1 - c²). Several measurements are combined as those of a Gaussian process.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 

@@ -1,4 +1,5 @@
-//! Bands that are given by a response curve: the Sun's magnitude and that of a black body, by integration over the curve.
+//! Bands that are given by a response curve: the Sun's magnitude and that of a black body, by integration over the
+//! curve.
 
 use std::hash::{Hash, Hasher};
 
@@ -146,8 +147,8 @@ impl ResponseBand {
         self.sun_mag
     }
 
-    /// Returns the AB magnitudes of 1 m² of a black body at 280 K and 290 K, at 1000 km; `None` if the full Moon's light
-    /// on a diffuse body outshines them.
+    /// Returns the AB magnitudes of 1 m² of a black body at 280 K and 290 K, at 1000 km; `None` if the full Moon's
+    /// light on a diffuse body outshines them.
     pub(super) fn black_body_mag(&self) -> Option<[f64; 2]> {
         let faintest = self.sun_mag + DIFFUSE_LESS_SUN_MAG + FULL_MOON_LESS_SUN_MAG;
         (self.black_body_mag[0] < faintest).then_some(self.black_body_mag)
@@ -239,8 +240,8 @@ mod tests {
         assert!(narrow(2.2).black_body_mag().is_some() && (narrow(20.0).wavelength_um() - 20.0).abs() < 1e-4);
     }
 
-    /// The figure `magnitude_vs_size_wave` of SPARKLES (Borlaff et al.), read at 100 m²: surface brightness of trails in
-    /// AB, of which the differences between wavelengths do not depend on distance, telescope and exposure.
+    /// The figure `magnitude_vs_size_wave` of SPARKLES (Borlaff et al.), read at 100 m²: surface brightness of trails
+    /// in AB, of which the differences between wavelengths do not depend on distance, telescope and exposure.
     #[test]
     fn valid_thermal_colours_are_those_of_sparkles() {
         /// Tolerance, mag: that of the acceptance; the figure is read to 0.2 mag.

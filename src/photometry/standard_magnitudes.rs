@@ -1,11 +1,11 @@
 //! Standard magnitudes by object, read from the table for the program QuickSat (`qs.mag`).
 //!
-//! Mike McCants' intrinsic magnitude is for 1000 km and full phase. Here it is converted to half phase, as Heavens-Above
-//! does: 2.5 log10 2 = 0.75 mag. For HST and Envisat, Heavens-Above's magnitudes are 0.7 mag fainter than those of the
-//! list. The magnitudes of the list are for the brightest likely aspect; McCants' page on the definitions gives a mean
-//! aspect that is 0.7 mag fainter, which Heavens-Above does not apply. Merged lists in circulation add 1.0 or 1.5 mag.
-//! Rows without a magnitude are skipped. Magnitudes of the list are from -2.0 to 10.0, without 0.0. Placeholders such as
-//! 99.9 in other lists are no magnitudes, and are counted.
+//! Mike McCants' intrinsic magnitude is for 1000 km and full phase. Here it is converted to half phase, as
+//! Heavens-Above does: 2.5 log10 2 = 0.75 mag. For HST and Envisat, Heavens-Above's magnitudes are 0.7 mag fainter than
+//! those of the list. The magnitudes of the list are for the brightest likely aspect; McCants' page on the definitions
+//! gives a mean aspect that is 0.7 mag fainter, which Heavens-Above does not apply. Merged lists in circulation add 1.0
+//! or 1.5 mag. Rows without a magnitude are skipped. Magnitudes of the list are from -2.0 to 10.0, without 0.0.
+//! Placeholders such as 99.9 in other lists are no magnitudes, and are counted.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
@@ -17,7 +17,8 @@ use crate::error::Error;
 /// Offset from full phase to half phase: 2.5 log10 2 mag.
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953;
 
-/// Magnitudes in the table that are possible: those of the list, with a margin. A magnitude of exactly 0 is a placeholder.
+/// Magnitudes in the table that are possible: those of the list, with a margin. A magnitude of exactly 0 is a
+/// placeholder.
 const POSSIBLE_MAG: std::ops::RangeInclusive<f64> = -5.0..=16.0;
 
 /// Magnitudes at 1000 km and a phase angle of 90°, by NORAD catalogue number.

@@ -1,8 +1,8 @@
-//! Thermal emission of satellites in the infrared: a grey body with the area of the satellite, and its reflection of the
-//! Earth's infrared light.
+//! Thermal emission of satellites in the infrared: a grey body with the area of the satellite, and its reflection of
+//! the Earth's infrared light.
 //!
-//! Borlaff, Marcum and Howell (2025, Nature, s41586-025-09759-5, "SPARKLES"), equations 4 to 6, with a temperature of 280
-//! K and an emissivity of 0.9 (Horiuchi et al. 2020, ApJ 905, 3). Unlike there, a surface reflects what it does not
+//! Borlaff, Marcum and Howell (2025, Nature, s41586-025-09759-5, "SPARKLES"), equations 4 to 6, with a temperature of
+//! 280 K and an emissivity of 0.9 (Horiuchi et al. 2020, ApJ 905, 3). Unlike there, a surface reflects what it does not
 //! absorb, 10 %.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -57,8 +57,8 @@ impl Emission {
         magnitude.0.is_finite().then_some(Self { magnitude, sigma_mag: area_sigma_mag.hypot(temperature_mag) })
     }
 
-    /// Returns the light of the satellite with its reflected light; `None` for the latter in the Earth's shadow. `air_mag`
-    /// is the extinction, which the reflected light includes.
+    /// Returns the light of the satellite with its reflected light; `None` for the latter in the Earth's shadow.
+    /// `air_mag` is the extinction, which the reflected light includes.
     pub fn with_reflection(self, reflected: Option<Brightness>, air_mag: f64) -> Brightness {
         let emitted = self.magnitude.dimmed_by(air_mag);
         let Some(light) = reflected else { return self.alone(emitted, false) };

@@ -71,9 +71,9 @@ struct Moment {
     sigma_mag: f64,
 }
 
-/// Draws the sky as seen from below, north up and east left, in black on white, with the stars to V = 5 mag at the middle
-/// of the pass. Times are written along the track, which is dashed where the satellite is not visible. A table has time,
-/// altitude, azimuth and magnitude at round times and at start, end, highest and brightest point.
+/// Draws the sky as seen from below, north up and east left, in black on white, with the stars to V = 5 mag at the
+/// middle of the pass. Times are written along the track, which is dashed where the satellite is not visible. A table
+/// has time, altitude, azimuth and magnitude at round times and at start, end, highest and brightest point.
 ///
 /// # Errors
 /// The pass has fewer than two points; columns differ in length; times do not increase; or an altitude is invalid.

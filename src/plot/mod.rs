@@ -1,9 +1,9 @@
 //! Maps and charts as PNG and SVG pictures.
 //!
-//! A [`Picture`] is a list of lines, texts and pixels, which `encode` converts to a file; `raster` draws smooth lines for
-//! PNGs. `scale` assigns colours to values, `contour` computes lines of equal value, and `sky_disk` projects a
-//! hemisphere. `maps` draws the maps of [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn
-//! in the boxes of `axes` and `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`,
+//! A [`Picture`] is a list of lines, texts and pixels, which `encode` converts to a file; `raster` draws smooth lines
+//! for PNGs. `scale` assigns colours to values, `contour` computes lines of equal value, and `sky_disk` projects a
+//! hemisphere. `maps` draws the maps of [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are
+//! drawn in the boxes of `axes` and `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`,
 //! `counts_and_spread`, `residuals` and `blocking` for fits; `night`, `light_curve`, `field_chart`, `sky_chart`,
 //! `finder_chart` (with the lists of `tracks`, and `star_field`, which draws `bright_stars` and `constellations`) and
 //! `sun_altitude` for observers; `alarms` and `streak_cuts` for measurements.

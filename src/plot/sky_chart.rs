@@ -81,9 +81,9 @@ pub struct SkyTrack {
 }
 
 /// Draws the sky as seen from below, north up and east left. Every pass is drawn in the colours of its magnitudes, grey
-/// where it is dark, with an arrow where it sets. A list gives the times of the ends of each pass, and time, altitude and
-/// magnitude of its brightest point. If there are at most three passes, times are written along them. A sky without a
-/// pass gets a note.
+/// where it is dark, with an arrow where it sets. A list gives the times of the ends of each pass, and time, altitude
+/// and magnitude of its brightest point. If there are at most three passes, times are written along them. A sky without
+/// a pass gets a note.
 ///
 /// # Errors
 /// A pass has fewer than two points; columns differ in length; times do not increase; or an altitude is invalid.

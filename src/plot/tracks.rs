@@ -168,8 +168,8 @@ pub(super) fn magnitude_text(magnitude: f64, sigma_mag: f64) -> String {
     }
 }
 
-/// Reserves a free position for a label away from `tip` on the line `own`, beyond the positions `beside` it, and draws a
-/// thin line to it. Returns the position; `None` if there is none.
+/// Reserves a free position for a label away from `tip` on the line `own`, beyond the positions `beside` it, and draws
+/// a thin line to it. Returns the position; `None` if there is none.
 pub(super) fn place_with_line(
     picture: &mut Picture,
     labels: &mut Labels,
@@ -196,10 +196,10 @@ pub(super) fn place_with_line(
 /// Largest number of marks along a track.
 const MOST_MARKS: f64 = 60.0;
 
-/// Draws a mark at every full minute of a track (times in MJD, UTC), with the time of this size beside it, or with a thin
-/// line to the time where there is no room beside it. Tracks of more than an hour have a mark every 10 min, hour or
-/// day. Times without room are left out. `ahead_days` is the clock's difference to
-/// UTC, and `own` the number of the track in `labels`.
+/// Draws a mark at every full minute of a track (times in MJD, UTC), with the time of this size beside it, or with a
+/// thin line to the time where there is no room beside it. Tracks of more than an hour have a mark every 10 min, hour
+/// or day. Times without room are left out. `ahead_days` is the clock's difference to UTC, and `own` the number of the
+/// track in `labels`.
 pub(super) fn minutes_along(
     picture: &mut Picture,
     labels: &mut Labels,

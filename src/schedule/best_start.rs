@@ -74,8 +74,8 @@ pub fn delayed_costs_s(
 ///
 /// A delay that is longer than the cost at the scheduled start saves nothing, so that the starts extend over this cost,
 /// and at most over `longest_s`; a cost below 0.06 s is not reduced. If the cost at the scheduled start exceeds the
-/// `max_cost_s` of the policy, they extend over `longest_s`, and a start that does not exceed it is better than all that
-/// do. The `blocking` of the policy is not applied.
+/// `max_cost_s` of the policy, they extend over `longest_s`, and a start that does not exceed it is better than all
+/// that do. The `blocking` of the policy is not applied.
 ///
 /// # Errors
 /// Passes cannot be computed.

@@ -1,5 +1,6 @@
-//! Satellites that may block the starts of exposures. The longest delay is searched in parts, because most exposures have
-//! a start in the first one. A satellite that enters the Earth's shadow inside the field blocks the parts in which it is lit.
+//! Satellites that may block the starts of exposures. The longest delay is searched in parts, because most exposures
+//! have a start in the first one. A satellite that enters the Earth's shadow inside the field blocks the parts in which
+//! it is lit.
 
 use hifitime::Epoch;
 
@@ -14,7 +15,8 @@ use crate::passes::{Exposure, FieldCrossing, Pass, PassOptions};
 /// Delays up to which the satellites are searched first, seconds; the longest delay follows.
 const FIRST_DELAYS_S: [f64; 2] = [30.0, 150.0];
 
-/// Starts closer to the end of a part than this are judged with the next part, seconds; longer than the guard of starts.
+/// Starts closer to the end of a part than this are judged with the next part, seconds; longer than the guard of
+/// starts.
 const SEAM_S: f64 = 0.01;
 
 /// Satellites in the field of one exposure, for the delays that were searched.
@@ -70,8 +72,8 @@ fn in_field(crossings: &[FieldCrossing], lead_s: f64) -> impl Iterator<Item = In
 /// policy, and the satellites without a position.
 ///
 /// `has_start` is called with the index of an exposure, satellites, and a delay in seconds; it returns whether these
-/// satellites leave a start up to this delay. If those of a part do, no later ones are searched; if some of them leave none,
-/// the others of the part are not computed.
+/// satellites leave a start up to this delay. If those of a part do, no later ones are searched; if some of them leave
+/// none, the others of the part are not computed.
 pub(super) fn blockers(
     exposures: &[&Exposure],
     blocking: Blocking,

@@ -47,8 +47,8 @@ impl<'a> FlagRequest<'a> {
         }
     }
 
-    /// Returns true if every lit crossing blocks a start, so that magnitudes and probabilities are not needed. In thermal
-    /// bands satellites in the Earth's shadow count as lit.
+    /// Returns true if every lit crossing blocks a start, so that magnitudes and probabilities are not needed. In
+    /// thermal bands satellites in the Earth's shadow count as lit.
     pub(super) fn every_crossing_blocks(&self, blocking: Blocking) -> bool {
         (blocking == Blocking::Any || !self.policy.has_limit())
             && self.policy.min_probability.is_none()
@@ -61,9 +61,9 @@ impl<'a> FlagRequest<'a> {
         Limits::new(self.policy, self.telescope, self.sky, band, exposure_s)
     }
 
-    /// Returns true if a pass alone is sufficient for the verdict `avoid` on an exposure of this length: the probability
-    /// that it crosses and is brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if
-    /// omitted). `None` if no limit applies to the band.
+    /// Returns true if a pass alone is sufficient for the verdict `avoid` on an exposure of this length: the
+    /// probability that it crosses and is brighter at its peak than a limit is at least the `min_probability` of the
+    /// policy (0.5 if omitted). `None` if no limit applies to the band.
     pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>, exposure_s: f64) -> Option<bool> {
         let limits = self.limits(band, exposure_s);
         (!limits.is_none()).then(|| blocks(pass, &limits, Blocking::Avoid, self.policy))

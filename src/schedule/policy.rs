@@ -217,8 +217,8 @@ impl Policy {
         self.max_delay_s.unwrap_or(Self::DEFAULT_MAX_DELAY_S)
     }
 
-    /// Returns true if passes and costs at later starts must be computed to confirm them, because the times of crossings
-    /// do not determine them.
+    /// Returns true if passes and costs at later starts must be computed to confirm them, because the times of
+    /// crossings do not determine them.
     pub(super) fn confirms_starts(&self) -> bool {
         self.min_probability.is_some() || self.max_cost_s.is_some()
     }

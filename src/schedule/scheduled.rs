@@ -35,8 +35,8 @@ pub struct ScheduledExposure {
     pub row: usize,
     /// Band as written in the file; `None` if the schedule has no band. Any name is accepted.
     pub band: Option<String>,
-    /// Time with open shutter, seconds, if it is shorter than the exposure: a visit of several snaps lasts until the last
-    /// one ends, with shutter and readout between them.
+    /// Time with open shutter, seconds, if it is shorter than the exposure: a visit of several snaps lasts until the
+    /// last one ends, with shutter and readout between them.
     pub open_s: Option<f64>,
     /// The exposure, or the reason why the row is invalid.
     pub exposure: Result<Exposure, String>,
@@ -74,8 +74,8 @@ pub struct Schedule {
     pub start_column: String,
     /// Time scale of the start times.
     pub time_scale: TimeScale,
-    /// Number of comments in CSV and ECSV that have as many cells as a row. An identifier that begins with `#` must be in
-    /// quotation marks.
+    /// Number of comments in CSV and ECSV that have as many cells as a row. An identifier that begins with `#` must be
+    /// in quotation marks.
     pub comments_like_rows: usize,
     /// Number of exposures for which a column has another end than start and duration, and the values of the first of
     /// them.

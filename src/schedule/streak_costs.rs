@@ -85,8 +85,8 @@ impl FlagRequest<'_> {
     ///
     /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the
     /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is bright only by
-    /// thermal emission. `limit_mag` is the hard limit of the exposure, instead of `limit_mag` of the policy. The shutter
-    /// of the exposure is open for `open_s` if that is shorter.
+    /// thermal emission. `limit_mag` is the hard limit of the exposure, instead of `limit_mag` of the policy. The
+    /// shutter of the exposure is open for `open_s` if that is shorter.
     #[doc(hidden)]
     pub fn pass_cost(
         &self,
@@ -175,8 +175,8 @@ fn of_known(brightness: Option<&Brightness>, probability: impl Fn(&Brightness) -
 
 /// Returns the brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss
 /// without a pass, at the point of its track nearest to the field centre. If it is unknown there, or the satellite is
-/// in the Earth's shadow there, that of the sunlit part of the track (also in K, where emission is much fainter), or else
-/// the prior of its orbit.
+/// in the Earth's shadow there, that of the sunlit part of the track (also in K, where emission is much fainter), or
+/// else the prior of its orbit.
 fn brightness_of(
     satellite: &CrossingProbability,
     epoch: Epoch,

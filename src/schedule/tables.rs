@@ -228,7 +228,8 @@ pub struct StreakRow<'a> {
     pub photometry: &'a PhotometryOptions,
     /// Magnitude at which this satellite exceeds a limit of the exposure, used for the column `p_brighter`.
     pub limit_mag: Option<f64>,
-    /// Expected cost of the pass ([`FlagRequest::pass_cost`](super::FlagRequest::pass_cost)); `None` without a telescope.
+    /// Expected cost of the pass ([`FlagRequest::pass_cost`](super::FlagRequest::pass_cost)); `None` without a
+    /// telescope.
     pub cost: Option<PassCost>,
 }
 

@@ -47,10 +47,10 @@ impl ExpectedLoss {
 /// Judges an exposure by its crossings and near misses. If the verdict is not `clear`, the next starts are not set.
 ///
 /// Passes in the Earth's shadow are ignored, except with `include_dark`. A near miss counts only if the policy has a
-/// `min_probability` and the crossing probability is at least that. The verdict is `avoid` if, for one pass that counts,
-/// the probability that it crosses and is brighter at its peak than the limit is at least `min_probability` (0.5 if
-/// omitted), or if the cost of the streaks exceeds `max_cost_s`. Otherwise it is `streaked` if any pass counts, and
-/// `clear` if none does.
+/// `min_probability` and the crossing probability is at least that. The verdict is `avoid` if, for one pass that
+/// counts, the probability that it crosses and is brighter at its peak than the limit is at least `min_probability`
+/// (0.5 if omitted), or if the cost of the streaks exceeds `max_cost_s`. Otherwise it is `streaked` if any pass counts,
+/// and `clear` if none does.
 pub(super) fn judge_exposure(
     exposure: &Exposure,
     limits: &Limits<'_>,

@@ -63,8 +63,9 @@ impl FoundWindows<'_> {
 
 /// Returns a table with one row for each window.
 ///
-/// Columns: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s, elements_age_days,
-/// late_s`. The last two are medians over all satellites of `sky`, whose positions determine the windows.
+/// Columns: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s,
+/// elements_age_days, late_s`. The last two are medians over all satellites of `sky`, whose positions determine the
+/// windows.
 pub fn window_table(all: &[FoundWindows<'_>], sky: &Sky) -> Table {
     let rows = all.iter().flat_map(|target| {
         target.windows().iter().map(move |window| {

@@ -194,8 +194,8 @@ impl PointImage for FileImage<'_> {
 /// Returns the image of a part of a source that is nearest to the middle of the chip at a time.
 type ImageOf<'b> = &'b dyn Fn(&SourcePart, f64, &Optics) -> Result<Box<dyn PointImage + 'b>, Error>;
 
-/// Draws the lights of a source. `reach_rad` is the distance of the farthest light from a point, radians; `None` for that
-/// of seeing, defocus and size.
+/// Draws the lights of a source. `reach_rad` is the distance of the farthest light from a point, radians; `None` for
+/// that of seeing, defocus and size.
 fn draw_lights<'a>(
     source: &'a Source,
     chip: &'a Chip,

@@ -2,8 +2,8 @@
 //!
 //! `light/` describes directions and brightness on the sky; `chip` converts them to a path in pixels; `psf/` is the
 //! image of a point; `render/` draws a path; `drawn` holds drawn streaks with their true parameters; `truth/` makes
-//! tables and masks from them; `frame/` reads and writes files; `injection/` adds streaks to frames; `masking/` masks the
-//! streaks of real satellites.
+//! tables and masks from them; `frame/` reads and writes files; `injection/` adds streaks to frames; `masking/` masks
+//! the streaks of real satellites.
 //!
 //! ```
 //! use streakcast::frames::Direction;

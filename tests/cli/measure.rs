@@ -393,6 +393,28 @@ fn frames_that_fail_while_they_are_measured_are_left_out() {
     assert!(code == 2 && !Path::new(&polygons).exists());
 }
 
+/// A frame below the horizon of the site, or by day, has a wrong start or a wrong site.
+#[test]
+fn frames_below_the_horizon_and_by_day_have_a_warning() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let polygons = path(&folder, "polygons.json");
+    for (start, words) in [
+        ("2026-08-14T23:29:05Z", ""),
+        ("2026-08-14T10:00:00Z", "the middle of the frame is at an altitude of -"),
+        ("2026-08-14T15:00:00Z", "the Sun is at an altitude of "),
+    ] {
+        for verb in [&["measure"][..], &["mask", "--zero-point", "20", "--polygons", &polygons]] {
+            let flags = ["--shells", "starlink-gen1", "--mpc", "X05", "--seeing", "90arcsec", "--start", start];
+            let (code, _, stderr) = run(&[verb, &[&frame], &flags]);
+            let begin = format!("warning: {frame}: ");
+            let line = stderr.lines().find(|line| line.starts_with(&begin) && line.contains("at an altitude of"));
+            assert_eq!(line.is_some(), !words.is_empty(), "{verb:?} {start}: {stderr}");
+            assert!(code < 2 && line.unwrap_or_default().contains(words), "{verb:?} {start}: {stderr}");
+        }
+    }
+}
+
 /// Without a given site, all frames of a run are at one site. Frames of another one, of no site, and of years without an
 /// ephemeris are left out by `measure`, and an error of `mask`.
 #[test]

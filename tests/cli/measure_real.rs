@@ -99,7 +99,7 @@ fn valid_frames_without_coordinates_time_or_site_are_named() {
         ("trailblazer/cutout_LMI.VR.2021-06-01T04_06_03.67_1PA.fits", "missing site"),
         ("trailblazer/cutout_frame-i-008108-5-0025.fits", "missing site"),
         // The time scale of the header is wrong.
-        ("trailblazer/cutout_calexp-0941420_23.fits", "37.0 s apart"),
+        ("trailblazer/cutout_calexp-0941420_23.fits", "in another time scale than TIMESYS"),
         ("astride/long.fits", "-0.4 s from DATE-OBS + TIME-OBS to JD"),
     ] {
         let path = data.join("frames").join(frame).display().to_string();

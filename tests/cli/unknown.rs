@@ -179,8 +179,8 @@ fn the_unknown_days_of_a_longer_request_are_named() {
     assert!(stderr.contains(": some starts are unknown: elements 2"), "{stderr}");
 }
 
-/// Satellites in drag are early or late by minutes after 60 days: crossings have probabilities, but no start is known to
-/// be clear.
+/// Satellites in drag are early or late by minutes after 60 days: crossings have probabilities, but no start is known
+/// to be clear.
 #[test]
 fn starts_with_late_satellites_are_unknown() {
     let folder = tempfile::tempdir().unwrap();

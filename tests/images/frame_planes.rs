@@ -152,6 +152,57 @@ fn planes_without_coordinates_belong_to_a_chip_or_are_named() {
     }
 }
 
+/// Masks of the template of a difference are not those of the frame.
+#[test]
+fn planes_of_other_images_are_not_used() {
+    for (names, unused) in [
+        (&["SCI", "SCI_MASK", "REF", "REF_MASK"][..], 3),
+        (&["SCI", "REF_BPM", "MASK", "REF"], 1),
+        (&["SCI", "MASK", "SUBTRACTED", "SUBTRACTED_BPM"], 3),
+        (&["SCI", "MASK", "TEMPLATE_MASK"], 2),
+    ] {
+        let images: Vec<(&str, String)> = names.iter().map(|name| (*name, sky(10.0))).collect();
+        let found = roles(&images).expect("roles");
+        let mut used = found.companions.iter().map(|plane| (plane.of == Some(0)) == (plane.hdu != unused));
+        assert!(used.all(|is_right| is_right), "{:?}", found.companions);
+        let line = found.summary().expect("a line");
+        assert!(line.contains(&format!("; frame unknown, not used: HDU {unused} (")), "{line}");
+    }
+    // The mask of the reference image is that of the frame if the frame is the reference image.
+    let found = roles(&[("REF", sky(10.0)), ("REF_MASK", sky(10.0))]).expect("roles");
+    assert_eq!((found.frames[0], found.companions[0].of), (0, Some(0)));
+}
+
+/// Reads and amplifiers with one sky are frames, which is stated.
+#[test]
+fn frames_with_one_sky_are_stated() {
+    let version = |number: i64, ra_deg: f64| format!("{}EXTVER  = {number}\n", sky(ra_deg));
+    let reads =
+        roles(&[("SCI", version(1, 10.0)), ("SCI", version(2, 10.0)), ("SCI", version(3, 10.0))]).expect("roles");
+    let line = reads.summary().expect("a line");
+    assert!(
+        line.contains("the frames are HDU 0, 1, 2; HDU 1, 2 with the world coordinates of an earlier frame"),
+        "{line}"
+    );
+    let chips = roles(&[("SCI", version(1, 10.0)), ("SCI", version(2, 10.1))]).expect("roles");
+    assert_eq!(chips.summary(), None);
+}
+
+/// Files whose header says that all their images are masks or weights have no frames.
+#[test]
+fn products_of_archives_that_are_no_frames() {
+    for cards in
+        ["PRODTYPE= 'dqmask'\n", "PRODTYPE= 'wtmap'\n", "PRODCATG= 'ANCILLARY.WEIGHTMAP'\n", "OBSTYPE = 'BPM'\n"]
+    {
+        let found = roles(&[("", sky(10.0) + cards), ("S29", sky(10.1))]).expect("roles");
+        assert!(found.frames.is_empty() && found.companions.len() == 2, "{cards}");
+    }
+    for cards in ["PRODTYPE= 'image'\n", "PRODCATG= 'SCIENCE.IMAGE'\n", "OBSTYPE = 'EXPOSE'\n"] {
+        assert_eq!(roles(&[("", sky(10.0) + cards), ("S29", sky(10.1))]).expect("roles").frames, [0, 1], "{cards}");
+    }
+    assert!(roles(&[("APERTURE", sky(10.0))]).expect("roles").frames.is_empty());
+}
+
 /// A binned copy, a background on a coarser grid, a stamp of stars and a shifted difference overlap the frame; a second
 /// exposure of the same sky has a start of its own.
 #[test]

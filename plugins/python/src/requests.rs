@@ -147,14 +147,25 @@ pub fn identify<'py>(
         let done = plan.identify(&engine.setup, &prepared, &settings).map_err(exception)?;
         Ok((plan, done))
     })?;
-    let result = PyDict::new(py);
-    result.set_item("candidates", columns(py, &done.candidates)?)?;
-    result.set_item("streak", columns(py, &streak_table([&plan.streak]))?)?;
+    let result = identified(py, &done.candidates, &streak_table([&plan.streak]), &plan.remarks)?;
     result.set_item("unknown_probability", done.found.unknown_probability)?;
     result.set_item("n_candidates", done.found.candidates.len())?;
     let warnings = failure::all_as_arguments(done.found.unknown_observer.iter().chain(&done.left_out));
     result.set_item("warnings", warnings)?;
-    result.set_item("remarks", failure::all_as_arguments(&plan.remarks))?;
+    Ok(result)
+}
+
+/// Returns the candidates and the streaks as columns, and the remarks.
+fn identified<'py>(
+    py: Python<'py>,
+    candidates: &Table,
+    streaks: &Table,
+    remarks: &[String],
+) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    result.set_item("candidates", columns(py, candidates)?)?;
+    result.set_item("streak", columns(py, streaks)?)?;
+    result.set_item("remarks", failure::all_as_arguments(remarks))?;
     Ok(result)
 }
 
@@ -181,13 +192,10 @@ pub fn identify_streaks<'py>(
         let sky = |first: Epoch, last: Epoch| engine.sky_cache.get().prepared_over(first, last);
         identify_tables(tables, &identify, &engine.setup, &settings, Some(&sky), watch).map_err(exception)
     })?;
-    let result = PyDict::new(py);
-    result.set_item("candidates", columns(py, &done.candidates)?)?;
-    result.set_item("streak", columns(py, &done.streaks)?)?;
+    let result = identified(py, &done.candidates, &done.streaks, &done.remarks)?;
     let left_out = done.left_out.iter().filter_map(|(warning, _)| warning.as_ref());
     result.set_item("warnings", failure::all_as_arguments(left_out))?;
     result.set_item("row_warnings", failure::all_as_arguments(&done.warnings))?;
-    result.set_item("remarks", failure::all_as_arguments(&done.remarks))?;
     Ok(result)
 }
 

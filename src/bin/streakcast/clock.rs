@@ -129,8 +129,8 @@ fn civil_days(noon: Epoch, site: &Site, zone: &LocalTime) -> i64 {
 /// Returns a remark about a time zone whose time differs by hours from that of the Sun at a site: zone or longitude may
 /// be wrong. `None` if they agree.
 pub fn zone_remark(zone: &LocalTime, site: &Site, epoch: Epoch) -> Option<String> {
-    /// Largest difference of civil and solar time, hours. In the west of China it is 3.1 h; beyond the date line a day is
-    /// added.
+    /// Largest difference of civil and solar time, hours. In the west of China it is 3.1 h; beyond the date line a day
+    /// is added.
     const LARGEST_H: f64 = 3.5;
     let signed_deg = (site.longitude_rad.to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
     let (zone_h, mean_h) = (zone.ahead_of_utc_h(epoch), signed_deg / 15.0);

@@ -50,8 +50,8 @@ fn report(message: &str) {
     let _ = io::Write::write_fmt(&mut io::stderr(), format_args!("{}\n", bounded(&printable(&line))));
 }
 
-/// Returns the message of a usage error. `place` is the file and table of the value that is in error, if it is not on the
-/// command line.
+/// Returns the message of a usage error. `place` is the file and table of the value that is in error, if it is not on
+/// the command line.
 pub fn usage_message(error: &clap::Error, command: Command, place: Option<&str>) -> String {
     let text = error.render().to_string();
     let message: Vec<&str> = text
@@ -106,7 +106,8 @@ const OTHER_NAMES: [(&str, &str); 12] = [
 
 /// Returns what may be meant by an unknown argument of a verb; `None` if nothing is similar.
 fn tip(argument: &str, verb: &Command) -> Option<String> {
-    /// Smallest similarity of the names of flags: with the same first letter, which is rarely wrong, and with another one.
+    /// Smallest similarity of the names of flags: with the same first letter, which is rarely wrong, and with another
+    /// one.
     const SIMILAR: [f64; 2] = [0.7, 0.8];
     let names = || verb.get_arguments().filter(|arg| !arg.is_hide_set()).filter_map(Arg::get_long);
     let Some(name) = argument.strip_prefix("--") else {

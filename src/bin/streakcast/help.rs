@@ -1,5 +1,5 @@
-//! Help of the verbs. Each verb declares beside its flags which inputs it requires, which shared flags it ignores, and two
-//! examples; the usage line, the notes in the help and the checks follow from this.
+//! Help of the verbs. Each verb declares beside its flags which inputs it requires, which shared flags it ignores, and
+//! two examples; the usage line, the notes in the help and the checks follow from this.
 
 use std::ffi::OsString;
 use std::ops::Deref;
@@ -18,8 +18,8 @@ pub struct Help {
     pub verb: &'static str,
     /// Inputs that are required, on the command line or in a configuration file.
     pub asks: &'static [&'static RequiredInput],
-    /// Ids of shared flags that the verb cannot use, with the reason: the help omits them, and giving them is an error. Keys
-    /// of the same name in a configuration file are accepted, because other verbs use them.
+    /// Ids of shared flags that the verb cannot use, with the reason: the help omits them, and giving them is an error.
+    /// Keys of the same name in a configuration file are accepted, because other verbs use them.
     pub ignores: &'static [(&'static [&'static str], &'static str)],
     /// Two commands without the name of the verb.
     pub examples: [&'static str; 2],

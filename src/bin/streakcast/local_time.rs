@@ -60,8 +60,8 @@ impl LocalTime {
             .collect()
     }
 
-    /// Returns a time as local date and time, rounded to `step_s`, with its offset from UTC: `2026-08-14 23:30:00 +02:00`;
-    /// without seconds if the step is a minute.
+    /// Returns a time as local date and time, rounded to `step_s`, with its offset from UTC: `2026-08-14 23:30:00
+    /// +02:00`; without seconds if the step is a minute.
     pub fn text(&self, epoch: Epoch, step_s: f64) -> String {
         let seconds = (epoch.to_unix_seconds() / step_s).round() * step_s;
         let moment = Timestamp::from_second(seconds as i64).unwrap_or(Timestamp::MAX).to_zoned(self.0.clone());

@@ -1,10 +1,10 @@
 //! Tables of verbs in the configuration file and the home file: `[forecast]` and `[plot.night]` have the flags of these
 //! verbs as keys.
 //!
-//! The keys of a verb are inserted before its flags on the command line, and all are parsed and checked in the same way.
-//! The layers are, topmost first: flags, the table of the verb and the top of the configuration file, and the table of
-//! the verb and the top of the home file. A key is omitted if a layer above answers its question. Keys at the tops of the
-//! files are combined by [`Config::with_file`].
+//! The keys of a verb are inserted before its flags on the command line, and all are parsed and checked in the same
+//! way. The layers are, topmost first: flags, the table of the verb and the top of the configuration file, and the
+//! table of the verb and the top of the home file. A key is omitted if a layer above answers its question. Keys at the
+//! tops of the files are combined by [`Config::with_file`].
 
 use std::ffi::OsString;
 use std::fs::symlink_metadata;
@@ -141,8 +141,8 @@ pub fn insert(command: &Command, words: Vec<OsString>, home: Option<&Path>) -> a
     Ok(all)
 }
 
-/// Returns the errors of the values in a file's tables of verbs, each with table and line. Only values that the parser of
-/// the command line checks are checked.
+/// Returns the errors of the values in a file's tables of verbs, each with table and line. Only values that the parser
+/// of the command line checks are checked.
 ///
 /// # Errors
 /// Same as [`insert`].

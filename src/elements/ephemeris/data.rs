@@ -23,9 +23,9 @@ pub struct Ephemeris {
     /// Frame of positions and velocities.
     #[doc(hidden)]
     pub frame: EphemerisFrame,
-    /// Interval in which positions can be computed (of an OEM: USEABLE_START_TIME and USEABLE_STOP_TIME, and START_TIME and
-    /// STOP_TIME if there are states outside of them); `None` for an end at which the first or last state is the limit.
-    /// States outside serve only for the interpolation.
+    /// Interval in which positions can be computed (of an OEM: USEABLE_START_TIME and USEABLE_STOP_TIME, and START_TIME
+    /// and STOP_TIME if there are states outside of them); `None` for an end at which the first or last state is the
+    /// limit. States outside serve only for the interpolation.
     pub usable: [Option<Epoch>; 2],
     /// States: at least eight, at increasing times within 366 days.
     #[doc(hidden)]

@@ -34,7 +34,8 @@ pub const SIGMA_RATIOS: [f64; 2] = [1.0 / 1.5, 1.25];
 const RMS_TOLERANCE_SIGMA: f64 = 2.0;
 
 /// Difference between the median of single magnitudes, which a model predicts, and their mean, which is published, in
-/// units of sigma: flares make the mean brighter. The files of published means and phase functions are fainter by as much.
+/// units of sigma: flares make the mean brighter. The files of published means and phase functions are fainter by as
+/// much.
 pub const MEDIAN_LESS_MEAN_SIGMAS: f64 = 0.2;
 
 /// Kind of a reference.
@@ -124,8 +125,8 @@ pub struct Comparison {
     pub sample: Option<Sample>,
     /// Number of geometries or measurements compared.
     pub n: usize,
-    /// Mean of the model over these geometries or measurements, mag. For published means and phase functions it is that of
-    /// single magnitudes, which is `MEDIAN_LESS_MEAN_SIGMAS` brighter than the mean of the predicted medians.
+    /// Mean of the model over these geometries or measurements, mag. For published means and phase functions it is that
+    /// of single magnitudes, which is `MEDIAN_LESS_MEAN_SIGMAS` brighter than the mean of the predicted medians.
     pub model_mean_mag: Option<f64>,
     /// Standard deviation of the model over these geometries or measurements, mag.
     pub model_sd_mag: Option<f64>,

@@ -81,7 +81,8 @@ impl Detector {
         bleeds || self.crosstalk.is_some()
     }
 
-    /// Computes the effect of added light on rows of a frame in counts: the changed pixels in order, and the saturation.
+    /// Computes the effect of added light on rows of a frame in counts: the changed pixels in order, and the
+    /// saturation.
     ///
     /// The patches contain expected electrons before vignetting and have the shape of the frame. Photon noise,
     /// vignetting and crosstalk are applied to the added light only, and no read noise is added. Saturation depends on

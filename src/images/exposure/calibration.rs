@@ -119,8 +119,8 @@ const ZERO_POINTS: &[(&str, Option<CountBasis>)] = &[
     ("ZEROPT", None),
 ];
 
-/// AB magnitudes of the units of flux density: those of BUNIT, whose letters differ from `MJy`, and the magnitude of one
-/// (SDSS and Legacy Surveys; -2.5 log10 of 3631 Jy).
+/// AB magnitudes of the units of flux density: those of BUNIT, whose letters differ from `MJy`, and the magnitude of
+/// one (SDSS and Legacy Surveys; -2.5 log10 of 3631 Jy).
 const FLUX_UNITS: [(&[&str], f64); 5] = [
     (&["nanomaggy", "nanomaggies", "nMgy", "nmgy"], 22.5),
     (&["nJy", "nanojansky"], 31.4),
@@ -214,6 +214,7 @@ const SETTING_CAMERAS: &[&str] = &[
     "altair",
     "svbony",
     "sv",
+    "moravian",
     "seestar",
     "vespera",
     "stellina",
@@ -287,7 +288,8 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     ]
     .iter()
     .any(|words| joined.contains(words));
-    // ESO's "Conversion from electrons to ADU" is a number of counts per electron; "e- to ADU conversion" may be either.
+    // ESO's "Conversion from electrons to ADU" is a number of counts per electron; "e- to ADU conversion" may be
+    // either.
     let is_either = ["adu", "dn", "count"].iter().any(|count| {
         ["electronsto", "electronto", "e-to"].iter().any(|from| joined.contains(&format!("{from}{count}")))
     });

@@ -20,13 +20,14 @@ pub const TIMES: &[&str] = &[
     "START-UT",
     "TIME-STR",
     "TM-START",
+    "TU-START",
     "UTSHUT",
     "TAIHMS",
 ];
 
 /// Keywords with a time of day that is not the start at some observatories. They are used only if no keyword of
 /// [`TIMES`] exists.
-pub const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME", "UTC-TIME", "UT-TIME"];
+pub const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME", "UTC-TIME", "UT-TIME", "TIME-UTC"];
 
 /// Keywords with the modified Julian date of the start.
 pub const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
@@ -34,16 +35,27 @@ pub const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-STAR
 /// Keywords with the Julian date of the start.
 pub const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];
 
-/// Keywords of the start that contain a date, a Julian date or a time of day.
-pub const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "SHUT-OPEN"];
+/// Keywords of the start that contain a date, a Julian date or a time of day. FRAME is that of Andor's cameras.
+pub const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "EXP-STRT", "SHUT-OPEN", "FRAME"];
 
 /// Keywords of dates that are used only if no other keyword gives the start.
 pub const LOOSE_DATES: &[&str] = &["MJD", "JD"];
 
 /// Keywords of the middle and of the end of the exposure.
 pub const MIDDLES: &[&str] = &[
-    "DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID", "UT-MID", "UTC-MID", "TIME-MID",
+    "DATE-AVG",
+    "MJD-AVG",
+    "MJD-MID",
+    "DATE-MID",
+    "JD-MID",
+    "JD-AVG",
+    "EXP-MID",
+    "UT-MID",
+    "UTC-MID",
+    "TIME-MID",
     "MIDTIME",
+    "MIDPOINT",
+    "UT-MIDDLE",
 ];
 pub const ENDS: &[&str] = &[
     "DATE-END",
@@ -62,30 +74,11 @@ pub const ENDS: &[&str] = &[
 /// an exposure time is far too short.
 pub const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UTC-STOP", "TIME-STOP", "TM-END"];
 
-/// Keywords whose names state that they refer to the start.
-pub const NAMED_STARTS: &[&str] = &[
-    "DATE-BEG",
-    "DATE-STR",
-    "MJD-BEG",
-    "MJD-STR",
-    "MJD-START",
-    "JD-START",
-    "JD-BEG",
-    "JD-STR",
-    "DATE-START",
-    "EXP-START",
-    "SHUT-OPEN",
-    "TIME-BEG",
-    "UT-START",
-    "UT-STR",
-    "UTC-START",
-    "UTC-STR",
-    "UT-BEG",
-    "UT-BEGIN",
-    "START-UT",
-    "TIME-STR",
-    "TM-START",
-];
+/// Returns true for a keyword of the start whose name states that it is that of the start, such as DATE-BEG, UT-START and
+/// SHUT-OPEN.
+pub fn names_start(keyword: &str) -> bool {
+    ["BEG", "STR", "OPEN"].iter().any(|part| keyword.contains(part))
+}
 
 /// Words before or after those of [`CLOCKS`] in keywords of the first and the last of several exposures, as in UTC-LAST
 /// and MINJD.

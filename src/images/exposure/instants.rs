@@ -10,12 +10,13 @@ use super::super::card::{Card, CardValue};
 use super::comment::{AFTER_EXPOSURE, Comment, FRAMES, Role};
 use super::instant_keywords::{
     CLOCKS, DATES, END_TIMES, ENDS, JULIAN_DATES, LOCAL_TIMES, LOOSE_DATES, LOOSE_TIMES, MIDDLES, MODIFIED_DATES,
-    NAMED_STARTS, OTHER_DATES, OTHER_STARTS, OUTERMOST, SHUTTER, TIMES, UNIVERSAL_DATES,
+    OTHER_DATES, OTHER_STARTS, OUTERMOST, SHUTTER, TIMES, UNIVERSAL_DATES, names_start,
 };
 use super::moment::{
     DateText, Keywords, at, bare, date_and_time, has_zone, is_spelling, parse_date, parse_date_of, parse_time,
     resolution, without_offset,
 };
+use super::relative::relative_instants;
 
 /// Keywords of devices, and a device whose DATE-OBS is the time at which its image was created, the end of the exposure
 /// (so read by the Seestar Photometry Stack for Siril, <https://gitlab.com/Aquarius58/siril-seestar-stack>; its maker
@@ -25,6 +26,13 @@ const DEVICES: &[&str] = &["CREATOR", "INSTRUME"];
 const CREATES_AT_END: &str = "seestar";
 const WITH_LOG: &str = "asiair";
 const CREATED: &str = "image created";
+
+/// Telescope whose dates are those of the middle of the exposure (Explanatory Supplement to the NEOWISE Data Release
+/// Products, section III.1.b).
+const WITH_MIDDLES: &str = "WISE";
+
+/// Reason why an instant of another scale is not used.
+const OTHER_SCALE: &str = "in another time scale than TIMESYS";
 
 /// Rounding error of a time without seconds, seconds.
 const MINUTE_S: f64 = 60.0;
@@ -53,6 +61,8 @@ pub struct Instant {
     /// Beginning of the day of a date in another keyword, and the part of the exposure to which the date belongs by its
     /// comment.
     pub day: Option<(Epoch, Option<Role>)>,
+    /// True if the name of the keyword or its comment states the part of the exposure.
+    pub is_role_stated: bool,
 }
 
 impl Instant {
@@ -86,12 +96,14 @@ pub struct Instants {
     pub day_alone: Option<Error>,
     /// Error of an instant that its comment or its zone makes unusable, such as a local time.
     unusable: Option<Error>,
-    /// Instants in local time, read as if they were UTC.
+    /// Instants in local time or in another scale than TIMESYS, read as if they were in that scale.
     local: Vec<Epoch>,
     /// Local times of day, seconds, with their keywords.
     pub local_clocks: Vec<(String, f64)>,
     /// Keyword and comment of a time of creation that is read as the end of the exposure.
     pub created: Option<(String, String)>,
+    /// Keywords that are read in another way than usual, with a sentence each.
+    pub readings: Vec<(String, String)>,
 }
 
 impl Instants {
@@ -143,6 +155,8 @@ impl Instants {
             reader.clock(keyword, Role::End, true);
         }
         reader.other_parts();
+        let relative = relative_instants(keywords, scale).into_iter();
+        reader.instants.others.extend(relative.map(|(epoch, name, role)| instant(epoch, name.to_owned(), role)));
         for keyword in LOCAL_TIMES {
             let clock = keywords.text_and_comment(keyword).and_then(|(name, text, _)| Some((name, clock_in(&text)?)));
             reader.instants.local_clocks.extend(clock);
@@ -339,8 +353,15 @@ impl Reader<'_> {
             return Ok(true);
         }
         let mut has_time = false;
-        for keyword in TIMES.iter().chain(LOOSE_TIMES) {
+        for keyword in TIMES.iter().chain(LOOSE_TIMES).chain(OTHER_STARTS).chain(MIDDLES) {
             let Some((name, value, comment, slack_s)) = self.time(keyword) else { continue };
+            let is_middle = MIDDLES.contains(keyword);
+            // These keywords may also have a date or a number of days.
+            let is_other = is_middle || OTHER_STARTS.contains(keyword);
+            if is_other && (self.keywords.number(&[keyword], |_| true).is_some() || parse_time(&value).is_none()) {
+                continue;
+            }
+            let usual = if is_middle { Role::Middle } else { Role::Start };
             let scale = if name == "TAIHMS" { TimeScale::TAI } else { self.scale_of(&comment) };
             let known = self.instants.found.len();
             self.tried.push(name.clone());
@@ -358,7 +379,7 @@ impl Reader<'_> {
                 let is_loose_clock = LOOSE_TIMES.contains(keyword) && !states_start(&comment);
                 let comments = [comment, of_date.clone()];
                 let from = format!("{date} + {name}");
-                let found = Instant { day, slack_s, is_loose_clock, ..instant(epoch, from, Role::Start) };
+                let found = Instant { day, slack_s, is_loose_clock, ..instant(epoch, from, usual) };
                 self.add(found, &value, &comments);
             }
             has_time = true;
@@ -397,7 +418,15 @@ impl Reader<'_> {
     /// Reads a keyword with a date and time, a Julian date, or a time of day. A date without a time is ignored.
     fn any_form(&mut self, keyword: &str, role: Role) -> Result<(), Error> {
         let Some((header, from)) = self.keywords.find(keyword) else { return Ok(()) };
-        if header.number(&from).is_some() {
+        if let Some(number) = header.number(&from) {
+            if let Some(epoch) = unix_time(number) {
+                self.instants.others.push(instant(epoch, from, role));
+                return Ok(());
+            }
+            // The number of a frame
+            if keyword == "FRAME" {
+                return Ok(());
+            }
             // Other numbers in EXPSTART and EXPEND count from another instant.
             let read = self.days(keyword, role, false);
             return if ["EXP", "SHUT"].iter().any(|name| keyword.starts_with(name)) { Ok(()) } else { read };
@@ -460,16 +489,23 @@ impl Reader<'_> {
         {
             return Ok(());
         }
-        let slack_s = header.card(&from).map_or(0.0, resolution) * DAY_S;
+        let slack_s = header.card(&from).map_or(0.0, |card| resolution(card).max(single_precision(number))) * DAY_S;
         let value = number.map_or(value, |number| number.to_string());
         let is_loose = is_loose && !states_start(&comment);
         self.add(Instant { slack_s, is_loose, ..instant(epoch, from, role) }, &value, &[comment]);
         Ok(())
     }
 
-    /// Returns the scale of a date: that of TIMESYS, or else the one that its comment states.
+    /// Returns the scale of a date: that of TIMESYS, or else the one that its comment states. A date of which the
+    /// comment states that it was converted to UTC is in UTC (files of HEASARC, whose TIMESYS is that of TSTART).
     fn scale_of(&self, comment: &Comment) -> TimeScale {
-        if self.is_stated { self.scale } else { comment.scale().ok().flatten().unwrap_or(self.scale) }
+        if !self.is_stated {
+            comment.scale().ok().flatten().unwrap_or(self.scale)
+        } else if comment.is_converted_to_universal() {
+            TimeScale::UTC
+        } else {
+            self.scale
+        }
     }
 
     /// Adds an instant, with the role that the first comment with a role states, or else its own, the usual one.
@@ -482,14 +518,13 @@ impl Reader<'_> {
             return;
         }
         let usual = instant.role;
-        let is_start = |keyword: &str| NAMED_STARTS.iter().any(|name| is_spelling(name, keyword));
-        let is_named = usual != Role::Start || instant.from.split(" + ").any(is_start);
+        let is_named = usual != Role::Start || instant.from.split(" + ").any(names_start);
         let role = comments.iter().enumerate().try_fold(None, |role: Option<Role>, (at, comment)| {
             let of_comment = || {
                 if !self.is_stated {
                     comment.scale()?;
-                } else if comment.contradicts(self.scale) {
-                    return Err("in another time scale than TIMESYS");
+                } else if instant.epoch.time_scale == self.scale && comment.contradicts(self.scale) {
+                    return Err(OTHER_SCALE);
                 }
                 // The second comment is that of a date.
                 comment.role((is_named && at == 0).then_some(usual))
@@ -500,20 +535,40 @@ impl Reader<'_> {
             let devices = DEVICES.iter().filter_map(|keyword| self.keywords.text(&[keyword]));
             devices.into_iter().any(|(_, text)| text.to_ascii_lowercase().contains(device))
         };
+        let starts = [DATES, TIMES, MODIFIED_DATES, JULIAN_DATES, OTHER_STARTS];
+        let has_named_start = || {
+            let mut named = starts.into_iter().flatten().filter(|name| names_start(name));
+            named.any(|name| self.keywords.find(name).is_some())
+        };
         let role = match role {
             Err((comment, AFTER_EXPOSURE))
                 if instant.from == "DATE-OBS"
                     && comment.text().to_ascii_lowercase().contains(CREATED)
                     && is_of_device(CREATES_AT_END)
-                    && NAMED_STARTS.iter().all(|name| self.keywords.find(name).is_none()) =>
+                    && !has_named_start() =>
             {
                 self.instants.created.get_or_insert((instant.from.clone(), comment.text().to_owned()));
                 Ok(Some(Role::End))
             }
             role => role,
         };
+        let is_of_wise = || self.keywords.text(&["TELESCOP"]).is_some_and(|(_, name)| name == WITH_MIDDLES);
+        let role = match role {
+            Ok(None) if !is_named && is_of_wise() => {
+                let sentence =
+                    format!("{} is read as the middle of the exposure, as {WITH_MIDDLES} writes it", instant.from);
+                self.instants.readings.push((instant.from.clone(), sentence));
+                Ok(Some(Role::Middle))
+            }
+            role => role,
+        };
         match role {
             Ok(role) => {
+                if self.is_stated && instant.epoch.time_scale != self.scale {
+                    let sentence =
+                        format!("{} is read as UTC, by its comment, and not as {}", instant.from, self.scale);
+                    self.instants.readings.push((instant.from.clone(), sentence));
+                }
                 let (_, clock) = date_and_time(without_offset(value).0);
                 let is_without_seconds = clock.is_some_and(|clock| clock.matches(':').count() == 1);
                 let slack_s = if is_without_seconds { MINUTE_S } else { instant.slack_s };
@@ -523,11 +578,26 @@ impl Reader<'_> {
                 let is_same =
                     |known: &&Instant| seconds_between(known.epoch, instant.epoch).abs() <= SAME_READING_S + slack_s;
                 let same = || self.instants.found.iter().find(is_same).filter(|_| !is_named).map(|known| known.role);
-                let (role, value) = (role.or_else(same).unwrap_or(usual), value.to_owned());
-                self.instants.found.push(Instant { role, value, slack_s, ..instant });
+                let of_same = role.or_else(same);
+                // The end of the observation, with the readout.
+                let is_of_cfht = || self.keywords.text(&["TELESCOP"]).is_some_and(|(_, name)| name.starts_with("CFHT"));
+                let is_loose = instant.is_loose || (usual == Role::End && is_of_cfht());
+                // The comment of days also states that the date from which they are computed is the middle.
+                let is_middle = role == Some(Role::Middle) && value.parse::<f64>().is_ok_and(|days| days > 1e4);
+                for known in self.instants.found.iter_mut().filter(|_| is_middle && !is_named) {
+                    if !known.is_role_stated && is_same(&&*known) {
+                        known.role = Role::Middle;
+                        let sentence =
+                            format!("{} is read as the middle, by the comment of {}", known.from, instant.from);
+                        self.instants.readings.push((known.from.clone(), sentence));
+                    }
+                }
+                let is_role_stated = is_named || role.is_some();
+                let (role, value) = (of_same.unwrap_or(usual), value.to_owned());
+                self.instants.found.push(Instant { role, value, slack_s, is_role_stated, is_loose, ..instant });
             }
             Err((comment, problem)) => {
-                if comment.is_local() {
+                if comment.is_local() || problem == OTHER_SCALE {
                     self.instants.local.push(instant.epoch);
                 }
                 let given = format!("{value:?}, {problem} by its comment {:?}", comment.text());
@@ -545,12 +615,42 @@ impl Reader<'_> {
 }
 
 fn instant(epoch: Epoch, from: String, role: Role) -> Instant {
-    Instant { epoch, from, value: String::new(), slack_s: 0.0, role, is_loose: false, is_loose_clock: false, day: None }
+    Instant {
+        epoch,
+        from,
+        value: String::new(),
+        slack_s: 0.0,
+        role,
+        is_loose: false,
+        is_loose_clock: false,
+        day: None,
+        is_role_stated: false,
+    }
 }
 
 /// Returns true for Julian dates and modified Julian dates of this century.
 fn is_day_number(number: f64) -> bool {
     (51_544.0..88_069.0).contains(&number) || (2_451_544.5..2_488_069.5).contains(&number)
+}
+
+/// Returns half of the last digit of a number that was converted from single precision, as 56990.8984375 of 56990.9; 0
+/// for other numbers.
+fn single_precision(number: Option<f64>) -> f64 {
+    let decimals = |text: String| text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let Some(number) = number.filter(|number| f64::from(*number as f32) == *number) else { return 0.0 };
+    let short = decimals((number as f32).to_string());
+    // Multiples of 1/64 may be exact times of day.
+    if short < decimals(number.to_string()).saturating_sub(1) && decimals(number.to_string()) > 6 {
+        0.5 * 10f64.powi(-(short as i32))
+    } else {
+        0.0
+    }
+}
+
+/// Returns the epoch of a number of seconds or milliseconds since 1970, for years from 2001 to 2096.
+fn unix_time(number: f64) -> Option<Epoch> {
+    let seconds = if number > 1e11 { number / 1e3 } else { number };
+    (1e9..4e9).contains(&seconds).then(|| Epoch::from_unix_seconds(seconds))
 }
 
 fn states_start(comment: &Comment) -> bool {

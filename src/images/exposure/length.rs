@@ -7,6 +7,7 @@ use super::super::card::{Card, CardValue};
 use super::comment::{AGREED_S, Comment, begins_with_exposure, seconds_in};
 use super::instants::unreadable;
 use super::moment::{Keywords, bare, is_spelling, parse_time};
+use super::relative::RelativeTimes;
 use super::stacks::{
     ACCUMULATIONS, ADDED, COADDS, OF_CALIBRATION, OF_SERIES, Parts, STACKS, agree, doubtful, is_alone,
     is_of_calibration, parts, product_in,
@@ -14,12 +15,12 @@ use super::stacks::{
 
 /// Keywords of the exposure time, in order of precedence.
 const LENGTHS: &[&str] =
-    &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INT-TIME", "ELAPTIME", "SHUTTIME", EXPOINUS];
+    &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INT-TIME", "ELAPTIME", EXPOINUS];
 /// Exposure time in microseconds (ZWO).
 const EXPOINUS: &str = "EXPOINUS";
 /// Keywords that are used only without the others: ITIME is the requested time, and TRUITIME the true one (IRTF);
 /// EXPOSED (AAT); and EXP if its comment states a unit, because it may also be a number.
-const LAST_LENGTHS: &[&str] = &["TRUITIME", "EXPOSED", "EXP"];
+const LAST_LENGTHS: &[&str] = &["SHUTTIME", "TRUITIME", "EXPOSED", "EXP", "TEXP"];
 /// Keywords of the time of one of several added exposures.
 const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
 
@@ -37,7 +38,7 @@ const TOTALS: &[&str] = &["TOT", "CUM", "SUM", "STACK"];
 /// Keywords of the true or measured exposure time, which may be shorter than the requested one, and words of comments.
 const TRUE_TIMES: &[&str] = &[
     "ACTEXP", "ACTTIME", "ACTUALEX", "REALEXP", "REALTIME", "TRUEEXP", "EXPOSED", "EXPMEAS", "MEASEXP", "REXPTIME",
-    "DARKTIME", "ELAPSED",
+    "DARKTIME", "ELAPSED", "TRUITIME", "SHUTTIME",
 ];
 const TRUE: &str = "actual real measured true";
 /// Words of exposures that were ended early.
@@ -176,6 +177,20 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
             ));
         }
     }
+    if let Some(times) = RelativeTimes::read(keywords) {
+        let near = |slack_s: f64| times.spans_s().into_iter().any(|span_s| (span_s - seconds).abs() <= slack_s);
+        let span_s = times.spans_s()[0];
+        let unit = if times.has_unit() { "" } else { ", if they are in seconds" };
+        let given = format!("{seconds} s, but it is {span_s} s from TSTART to TSTOP{unit}");
+        if times.has_unit() && !near(SPAN_SLACK_S + SPAN_SLACK * seconds) {
+            let allowed =
+                "an exposure without gaps; specify --exposure of the whole span, or --start and --exposure of one part";
+            return Err(Error::invalid(keyword, given, allowed));
+        }
+        if !near(stated_s(seconds)) {
+            remarks.push(format!("{keyword} is {given}: {keyword} is used; for another span specify --exposure"));
+        }
+    }
     if comment.has("including incl includes included plus") && comment.has(OVERHEADS) && !comment.has("not no without")
     {
         let text = comment.text();
@@ -239,9 +254,12 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
             format!("{seconds} s, and {name} is {shown}: the time of one exposure or of all")
         };
         let least_s = if is_of_all && name != ACCUMULATIONS { seconds } else { count * seconds };
-        let allowed = format!(
-            "the time from the first to the last exposure; specify it, for example --exposure {least_s}s if there are no gaps"
-        );
+        let example = if least_s <= LONGEST_EXPOSURE_S {
+            format!("--exposure {least_s}s if there are no gaps")
+        } else {
+            format!("--exposure {seconds}s if {keyword} is the sum and there are no gaps")
+        };
+        let allowed = format!("the time from the first to the last exposure; specify it, for example {example}");
         Some(Error::invalid(keyword.clone(), given, allowed))
     });
     Ok(Length { seconds, keyword, coadds, of_parts: of_parts.or(of_sum), remarks })
@@ -250,7 +268,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
 /// Returns the time of one keyword; `None` if the header does not have it.
 fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error> {
     let Some((header, keyword)) = keywords.find(keyword) else { return Ok(None) };
-    let comment = Comment::new(&header.comment(&keyword));
+    let comment = Comment::new(&keywords.remark(header, &keyword));
     // "Exposure request number" (JWST)
     if comment.has_pair("exposure request", "number") {
         return Ok(None);

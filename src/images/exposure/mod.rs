@@ -2,9 +2,9 @@
 //!
 //! `moment` finds values by their many keywords and parses dates and times, and `comment` reads what the comments of
 //! cards state. `instants` reads starts, middles and ends by the lists in `instant_keywords`, `length` the exposure
-//! time, `stacks` numbers of added exposures, `scale` the time scale, and `exposure_time` compares them, with the cards that
-//! cast doubt on the start in `start_doubts`. `calibration` reads zero point, gain,
-//! read noise and band, and `observatory` the site.
+//! time, `stacks` numbers of added exposures, `relative` times since a reference, `scale` the time scale, and
+//! `exposure_time` compares them, with the cards that cast doubt on the start in `start_doubts`. `calibration` reads
+//! zero point, gain, read noise and band, and `observatory` the site.
 
 mod calibration;
 mod comment;
@@ -14,6 +14,7 @@ mod instants;
 mod length;
 mod moment;
 mod observatory;
+mod relative;
 mod scale;
 mod stacks;
 mod start_doubts;

@@ -72,15 +72,15 @@ pub const SITE_KEYWORDS: &str =
 pub struct HeaderSite {
     /// The site.
     pub site: Site,
-    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours, or about an unknown code
-    /// of the Minor Planet Center.
+    /// Sentence about a longitude that fits the site only if it is counted to the west or in hours, or about an unknown
+    /// code of the Minor Planet Center.
     pub remark: Option<String>,
 }
 
 /// Largest distance of two sites of a header that is not stated, km: satellites 500 km away move by 40 arcsec.
 const STATED_KM: f64 = 0.1;
-/// Largest distance of two sites of a header, km, such as a mountain and a telescope on it: satellites 500 km away move by
-/// 0.3 deg.
+/// Largest distance of two sites of a header, km, such as a mountain and a telescope on it: satellites 500 km away move
+/// by 0.3 deg.
 const LARGEST_KM: f64 = 3.0;
 /// Names in headers of the telescopes at several sites, in lower case and without blanks, with the sites: a mountain,
 /// which is also a name of one of its telescopes, and a survey.
@@ -103,8 +103,8 @@ pub const UNNAMED_SITE: &str = "site of the header";
 ///
 /// # Errors
 /// A position that is not on the Earth; names and positions more than 3 km apart; SITELAT, SITELONG, ... of another
-/// place; or a name that fits several sites, such as ATLAS, without a keyword that decides between them. Names of several
-/// sites and parts of names do not contradict a position: they are also those of mounts.
+/// place; or a name that fits several sites, such as ATLAS, without a keyword that decides between them. Names of
+/// several sites and parts of names do not contradict a position: they are also those of mounts.
 pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Error> {
     let keywords = Keywords(headers);
     let mut names = ["TELESCOP", "OBSERVAT"].iter().filter_map(|name| keywords.text(&[name]));

@@ -8,13 +8,18 @@ use crate::frames::seconds_between;
 
 use super::super::card::CardValue;
 use super::comment::{AGREED_S, Comment, Role};
-use super::instant_keywords::{NAMED_STARTS, OTHER_DATES};
+use super::instant_keywords::{LOOSE_DATES, OTHER_DATES, names_start};
 use super::instants::{Instant, Instants};
 use super::length::STATED_S;
-use super::moment::{DateText, Keywords, is_spelling, parse_date};
+use super::moment::{DateText, Keywords, is_spelling, parse_date, parse_time};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 use super::scale::timesys;
 use super::stacks::REMARKS;
+
+/// Keywords of the sidereal time of the site, and the largest difference that is not stated, seconds: it may be that of
+/// another part of the exposure, or read some minutes before.
+const SIDEREAL_TIMES: &[&str] = &["LST", "LST-OBS", "LMST", "ST", "SIDTIME", "SIDEREAL"];
+const SIDEREAL_SLACK_S: f64 = 600.0;
 
 /// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
 pub const START_SLACK_S: f64 = 1.0;
@@ -93,9 +98,8 @@ fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
 
 /// Returns true if the name or the comment of a keyword of the start states the start.
 pub fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
-    let is_named = |name: &str| NAMED_STARTS.iter().any(|known| is_spelling(known, name));
     let is_stated = |comment: &Comment| matches!(comment.role(None), Ok(Some(Role::Start)));
-    start.from.split(" + ").any(is_named) || comments_of(keywords, start).iter().any(is_stated)
+    start.from.split(" + ").any(names_start) || comments_of(keywords, start).iter().any(is_stated)
 }
 
 /// Returns a sentence about a start in OBS-DATE if nothing states that it is in universal time.
@@ -107,6 +111,37 @@ pub fn of_other_date(keywords: Keywords<'_>, start: &Start) -> Option<String> {
         format!(
             "the start is that of {}, which is read as the date in UTC: if it is local or that of the evening, specify --start",
             start.from
+        )
+    })
+}
+
+/// Returns a sentence about a start in MJD or JD, without a statement of the part of the exposure.
+pub fn of_day_number(keywords: Keywords<'_>, start: &Start) -> Option<String> {
+    let is_alone = LOOSE_DATES.contains(&start.from.as_str()) && !states_start(keywords, start);
+    is_alone.then(|| {
+        let from = &start.from;
+        format!("the start is that of {from}, which some programs write for the middle: if it is, specify --start")
+    })
+}
+
+/// Returns a sentence about a sidereal time of the site that differs from that of the exposure by more than some
+/// minutes: the start may be a local time.
+pub fn sidereal(keywords: Keywords<'_>, start: &Start, duration_s: f64) -> Option<String> {
+    let (name, text) = keywords.text(SIDEREAL_TIMES)?;
+    let ([hours, minutes], seconds) = parse_time(&text)?;
+    let longitude_deg = site_from_headers(keywords.0).ok().flatten()?.site.longitude_rad.to_degrees();
+    let days = start.epoch.to_jde_utc_days() - 2_451_545.0;
+    // Mean sidereal time of Greenwich (IAU 1982) without its small terms, which is exact to some seconds.
+    let of_site_s = (240.0 * longitude_deg + 86_400.0 * (0.779_057_273 + 1.002_737_909_35 * days)).rem_euclid(DAY_S);
+    let stated_s = f64::from(3600 * hours + 60 * minutes) + seconds;
+    let late_s = (stated_s - of_site_s + 0.5 * DAY_S).rem_euclid(DAY_S) - 0.5 * DAY_S;
+    (!(-SIDEREAL_SLACK_S..=SIDEREAL_SLACK_S + duration_s).contains(&late_s)).then(|| {
+        format!(
+            "the start is that of {}, but {name} is {text}, {:.2} h {} than the sidereal time of the site in the header at the \
+             start: if the start is a local time, or the site another one, specify --start or the site",
+            start.from,
+            late_s.abs() / 3600.0,
+            if late_s > 0.0 { "later" } else { "earlier" }
         )
     })
 }

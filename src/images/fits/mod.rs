@@ -1,10 +1,10 @@
 //! Frames in FITS files: reading, copies with changes, and new files.
 //!
 //! `hdu` finds headers and data; `tile_header` and `tile_table` check compressed images. These checks precede CFITSIO
-//! (`cfitsio`). `frame_file` reads a file, `binary_table` its tables, and `planes` distinguishes frames from masks and maps. `frame_copy` writes a
-//! copy with changes: `deltas` collects the added light and counts changed pixels, `pixel_format` converts stored
-//! numbers, `tiles` changes compressed images, and `dither` provides random numbers for rounding. `new_hdu` creates
-//! images and tables.
+//! (`cfitsio`). `frame_file` reads a file, `binary_table` its tables, and `planes` distinguishes frames from masks and
+//! maps. `frame_copy` writes a copy with changes: `deltas` collects the added light and counts changed pixels,
+//! `pixel_format` converts stored numbers, `tiles` changes compressed images, and `dither` provides random numbers for
+//! rounding. `new_hdu` creates images and tables.
 
 mod binary_table;
 mod cfitsio;

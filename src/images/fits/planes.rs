@@ -46,6 +46,8 @@ pub struct FrameImages {
     pub companions: Vec<CompanionPlane>,
     /// HDUs of distortion tables.
     pub tables: Vec<usize>,
+    /// HDUs of frames with the shape and the world coordinates of an earlier frame.
+    pub same_sky: Vec<usize>,
     /// HDUs of images with more than two axes, with the lengths of their axes.
     pub cubes: Vec<(usize, Vec<usize>)>,
 }
@@ -59,6 +61,7 @@ const KINDS: &[(&str, PlaneKind)] = &[
     ("BADPIX", PlaneKind::Mask),
     ("DQ", PlaneKind::Mask),
     ("DQM", PlaneKind::Mask),
+    ("APERTURE", PlaneKind::Mask),
     ("QUAL", PlaneKind::Mask),
     ("QUALITY", PlaneKind::Mask),
     ("FLAG", PlaneKind::Mask),
@@ -91,8 +94,8 @@ const KINDS: &[(&str, PlaneKind)] = &[
 /// Parts of words that mark planes in combined names, such as `CHIPMASK` or `BADFLAGS`.
 const PARTS: [&str; 5] = ["MASK", "VARIANCE", "WEIGHT", "IVAR", "FLAG"];
 
-/// Words in names of images that belong to a frame of another time, such as the template of a difference, or that have a
-/// date of their own because another program wrote them.
+/// Words in names of images that belong to a frame of another time, such as the template of a difference, or that have
+/// a date of their own because another program wrote them.
 const MAPS: [&str; 27] = [
     "AREA",
     "BACK",
@@ -122,6 +125,9 @@ const MAPS: [&str; 27] = [
     "TEMPL",
     "TMPL",
 ];
+
+/// Words of images of another time, whose masks and variances are not those of the frame.
+const OTHER_IMAGES: [&str; 5] = ["REF", "REFERENCE", "TEMPLATE", "TEMPL", "TMPL"];
 
 /// Names of images of the sky.
 const SCIENCE: [&str; 5] = ["SCI", "SCIENCE", "IMAGE", "DATA", "IMG"];
@@ -153,10 +159,10 @@ impl FrameImages {
     /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless both have
     /// the name of a science image with another number or EXTVER. If it has a start of its own, it is a companion plane
     /// with the name of a background, a template or another map, a frame with a name like that of the earlier one, and
-    /// ambiguous otherwise. An image of another shape or scale whose centre is in an earlier frame, or that contains the
-    /// centre of one, is a companion plane, too, unless it has a start of its own: a binned copy, a background or a preview.
-    /// Names of masks, variances and weights, and HDUCLAS2 of errors and flags, mark companion planes of any shape. Images
-    /// with the names of distortion tables are never frames.
+    /// ambiguous otherwise. An image of another shape or scale whose centre is in an earlier frame, or that contains
+    /// the centre of one, is a companion plane, too, unless it has a start of its own: a binned copy, a background or a
+    /// preview. Names of masks, variances and weights, and HDUCLAS2 of errors and flags, mark companion planes of any
+    /// shape. Images with the names of distortion tables are never frames.
     ///
     /// # Errors
     /// An image that can be both a frame and a companion plane, because neither its name nor its world coordinates
@@ -180,7 +186,11 @@ impl FrameImages {
                 match frames.iter().position(|frame| image.has_pixels_of(frame) || image.overlaps(frame)) {
                     None => frames.push(image),
                     Some(at) => match image.role_beside(&frames[at]) {
-                        Role::Frame => frames.push(image),
+                        Role::Frame => {
+                            let is_same = image.sky.is_some() && image.has_pixels_of(&frames[at]);
+                            found.same_sky.extend((is_same && !image.has_other_date(&frames[at])).then_some(hdu));
+                            frames.push(image);
+                        }
                         Role::Plane => planes.push((image, PlaneKind::Other)),
                         Role::FrameInstead => {
                             let earlier = std::mem::replace(&mut frames[at], image);
@@ -202,7 +212,7 @@ impl FrameImages {
         }
         frames.sort_by_key(|frame| frame.hdu);
         planes.sort_by_key(|(plane, _)| plane.hdu);
-        let of: Vec<Option<usize>> = planes.iter().map(|(plane, _)| plane.owner(&frames, &planes)).collect();
+        let of: Vec<Option<usize>> = planes.iter().map(|(plane, kind)| plane.owner(*kind, &frames, &planes)).collect();
         found.companions = planes
             .into_iter()
             .zip(of)
@@ -214,7 +224,7 @@ impl FrameImages {
 
     /// Returns which images are frames and which are not, in one line; `None` if all images are frames.
     pub fn summary(&self) -> Option<String> {
-        if self.companions.is_empty() && self.tables.is_empty() && self.cubes.is_empty() {
+        if [self.companions.len(), self.tables.len(), self.cubes.len(), self.same_sky.len()] == [0; 4] {
             return None;
         }
         let numbers = |hdus: &[usize]| hdus.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
@@ -223,6 +233,13 @@ impl FrameImages {
             [hdu] => format!("the frame is HDU {hdu}"),
             several => format!("the frames are HDU {}", numbers(several)),
         }];
+        if !self.same_sky.is_empty() {
+            parts.push(format!(
+                "HDU {} with the world coordinates of an earlier frame: if they are reads or amplifiers of one exposure, \
+                 specify one with --hdu",
+                numbers(&self.same_sky)
+            ));
+        }
         let shown_plane = |plane: &CompanionPlane| format!("{}{}", plane.hdu, shown(&plane.name));
         let planes: Vec<String> = self.companions.iter().map(shown_plane).collect();
         if !planes.is_empty() {
@@ -295,7 +312,7 @@ impl Image {
         Ok(Self {
             hdu,
             name: if is_by_type { of_type } else { name },
-            class: kind_of_class(header),
+            class: kind_of_class(header).or_else(|| kind_of_product(&[header, file.header(0).ok()?])),
             size: file.image_size(hdu)?,
             date: header.text("DATE-OBS").map(|date| match date.split_once('.') {
                 Some((whole, fraction)) => {
@@ -384,8 +401,20 @@ impl Image {
         if is_decided { Role::Plane } else { Role::Unclear }
     }
 
-    /// Returns the HDU of the frame to which a plane belongs, one of `planes`.
-    fn owner(&self, frames: &[Self], planes: &[(Self, PlaneKind)]) -> Option<usize> {
+    /// Returns true if the name of a mask or a variance has the name of another companion plane, as REF_MASK, or a word
+    /// of [`OTHER_IMAGES`].
+    fn is_of_other_image(&self, frames: &[Self], planes: &[(Self, PlaneKind)]) -> bool {
+        let images = planes.iter().filter(|(other, kind)| *kind == PlaneKind::Other && other.hdu != self.hdu);
+        let names: Vec<&str> = images.map(|(other, _)| other.name.as_str()).chain(OTHER_IMAGES).collect();
+        let is_of_frame = |word: &str| frames.iter().any(|frame| words_of(&frame.name).any(|other| other == word));
+        words_of(&self.name).any(|word| names.contains(&word) && !is_of_frame(word))
+    }
+
+    /// Returns the HDU of the frame to which a plane, one of `planes`, belongs.
+    fn owner(&self, kind: PlaneKind, frames: &[Self], planes: &[(Self, PlaneKind)]) -> Option<usize> {
+        if kind != PlaneKind::Other && self.is_of_other_image(frames, planes) {
+            return None;
+        }
         let same: Vec<&Self> = frames.iter().filter(|frame| frame.size == self.size).collect();
         // A property decides if it is that of one frame.
         let only = |is_frame: &dyn Fn(&Self) -> bool| {
@@ -394,7 +423,11 @@ impl Image {
         };
         let by_sky = || only(&|frame| self.has_sky() && self.has_pixels_of(frame));
         let by_version = || only(&|frame| frame.version.is_some() && frame.version == self.version);
-        let by_name = || only(&|frame| !frame.name.is_empty() && self.name.ends_with(&frame.name));
+        let has_name = |frame: &Self| {
+            self.name.ends_with(&frame.name)
+                || self.name.split(|c: char| !c.is_ascii_alphanumeric()).any(|part| part == frame.name)
+        };
+        let by_name = || only(&|frame| !frame.name.is_empty() && has_name(frame));
         let by_number = || only(&|frame| number(&frame.name).is_some() && number(&frame.name) == number(&self.name));
         // As many planes of this content as frames have their order.
         let by_order = || {
@@ -453,6 +486,21 @@ fn kind_of_class(header: &Header) -> Option<PlaneKind> {
         ("ERROR", "INVMSE") => Some(PlaneKind::InverseVariance),
         ("ERROR", _) => Some(PlaneKind::Error),
         ("QUALITY", _) => Some(PlaneKind::Mask),
+        _ => None,
+    }
+}
+
+/// Returns the content that keywords of archives state for all images of a file: PRODTYPE (NOIRLab), PRODCATG (ESO) and
+/// OBSTYPE (Las Cumbres Observatory); `None` for data and without these keywords.
+fn kind_of_product(headers: &[&Header]) -> Option<PlaneKind> {
+    let text = |keyword: &str| headers.iter().find_map(|header| header.text(keyword)).unwrap_or_default();
+    let [product, category, observed] =
+        ["PRODTYPE", "PRODCATG", "OBSTYPE"].map(|keyword| text(keyword).trim().to_ascii_uppercase());
+    match (product.as_str(), category.as_str(), observed.as_str()) {
+        ("DQMASK", ..) | (.., "BPM") => Some(PlaneKind::Mask),
+        ("WTMAP", ..) | (_, "ANCILLARY.WEIGHTMAP", _) => Some(PlaneKind::Weight),
+        ("EXPMAP", ..) => Some(PlaneKind::Other),
+        _ if category.starts_with("ANCILLARY.") => Some(PlaneKind::Other),
         _ => None,
     }
 }

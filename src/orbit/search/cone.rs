@@ -172,8 +172,8 @@ impl<'a> ConeTest<'a> {
             let fraction = self.fraction + middle_s / self.window_span_s;
             let (position, velocity) = phase.state(&normal(fraction), self.cone.mid_s + middle_s, fraction);
             let sight = position - self.observer;
-            // During a time t the satellite departs from its tangent by at most ½ g t², where g is gravity at its lowest
-            // point.
+            // During a time t the satellite departs from its tangent by at most ½ g t², where g is gravity at its
+            // lowest point.
             let lowest_km = phase.perigee_km(fraction).max(position.norm() - FASTEST_KM_S * half_s) - slop_km;
             let bend_km = 0.5 * WGS72_MU_KM3_S2 / lowest_km.max(DECAYED_RADIUS_KM).powi(2) * half_s * half_s;
             let total_km = slop_km + bend_km + self.moved_km;
@@ -365,9 +365,9 @@ mod tests {
         }
     }
 
-    /// The interval of a satellite that may be 300 s late contains all times at which its predicted position is inside the
-    /// cone, also near the perigee of an eccentric orbit, where gravity is larger than in the middle of the time. On a
-    /// circular orbit it is hardly longer: a tangent over 300 s alone would leave minutes.
+    /// The interval of a satellite that may be 300 s late contains all times at which its predicted position is inside
+    /// the cone, also near the perigee of an eccentric orbit, where gravity is larger than in the middle of the time.
+    /// On a circular orbit it is hardly longer: a tangent over 300 s alone would leave minutes.
     #[test]
     fn verif_large_delays_leave_a_short_interval() {
         let normal = |_| Vector3::z();

@@ -127,8 +127,8 @@ pub struct Window {
 pub(super) struct Uninterpolated {
     pub element_index: u32,
     reach: Reach,
-    /// Its propagator and the start of the window in minutes after the epoch; `None` with an ephemeris for a part of the
-    /// window.
+    /// Its propagator and the start of the window in minutes after the epoch; `None` with an ephemeris for a part of
+    /// the window.
     orbit: Option<Box<(Propagator, f64)>>,
 }
 
@@ -163,8 +163,8 @@ impl Window {
     ///
     /// `unknown` returns, for an element index, the reason why a satellite has no known position without an ephemeris;
     /// such a satellite is left out. `reach` returns, for an element index, the distance from the prediction within
-    /// which that satellite is searched for. The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers must
-    /// split longer intervals.
+    /// which that satellite is searched for. The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers
+    /// must split longer intervals.
     ///
     /// # Errors
     /// [`Cancelled`](crate::ErrorKind::Cancelled) if `watch` is stopped.
@@ -229,8 +229,8 @@ impl Window {
                 Kind::Absent => {}
             }
         }
-        // Thin shells are sorted by height. Thick shells (eccentric orbits) follow, sorted by perigee, so that few chunks
-        // contain both kinds. Within a shell, satellites of similar inclinations are sorted by the node.
+        // Thin shells are sorted by height. Thick shells (eccentric orbits) follow, sorted by perigee, so that few
+        // chunks contain both kinds. Within a shell, satellites of similar inclinations are sorted by the node.
         entries.par_sort_by_cached_key(|entry| {
             let is_thick = entry.highest_km - entry.lowest_km > 200.0;
             let [x, y, z] = entry.normal;
@@ -457,7 +457,8 @@ mod tests {
         assert!(checked > 20_000, "only {checked} positions were checked; worst {worst:?}");
     }
 
-    /// A satellite that decays within the window is found where it passes before, and not on the other side of the Earth.
+    /// A satellite that decays within the window is found where it passes before, and not on the other side of the
+    /// Earth.
     #[test]
     fn a_satellite_that_decays_in_the_window_is_found_where_it_is() {
         let start = Epoch::from_gregorian_utc_at_midnight(2026, 4, 26);

@@ -57,8 +57,8 @@ impl Sky {
         self.field_crossings_until(exposures, field, |_, _| false)
     }
 
-    /// Finds crossings as [`Sky::field_crossings`] until there are enough for each exposure: `is_enough` is called with the
-    /// index of an exposure and its crossings in any order, whenever their number has doubled.
+    /// Finds crossings as [`Sky::field_crossings`] until there are enough for each exposure: `is_enough` is called with
+    /// the index of an exposure and its crossings in any order, whenever their number has doubled.
     pub(crate) fn field_crossings_until(
         &self,
         exposures: &[Exposure],

@@ -193,8 +193,8 @@ impl Sky {
 }
 
 impl ExposedField<'_> {
-    /// Returns the probabilities of all satellites that may be in the exposure, sunlit or not if `with_shadow`. `seen` is
-    /// a buffer that is reused.
+    /// Returns the probabilities of all satellites that may be in the exposure, sunlit or not if `with_shadow`. `seen`
+    /// is a buffer that is reused.
     fn probabilities(
         &self,
         observer: &Observer,
@@ -314,8 +314,8 @@ impl ExposedField<'_> {
     }
 
     /// Returns the probability of a satellite in several pieces, counted while it is above the ground and, unless
-    /// `with_shadow`, sunlit. Its predicted track is near the field from `from_s` to `to_s`. `None` if it cannot be in the
-    /// field or has no position.
+    /// `with_shadow`, sunlit. Its predicted track is near the field from `from_s` to `to_s`. `None` if it cannot be in
+    /// the field or has no position.
     fn visible_probability(
         &self,
         pieces: &[Piece],

@@ -38,8 +38,8 @@ impl Sky {
         self.field_passes_until(exposures, field, options, |_, _| false)
     }
 
-    /// Finds passes as [`Sky::field_passes`] until there are enough for each exposure: `is_enough` is called with the index
-    /// of an exposure and its passes in any order, whenever their number has doubled.
+    /// Finds passes as [`Sky::field_passes`] until there are enough for each exposure: `is_enough` is called with the
+    /// index of an exposure and its passes in any order, whenever their number has doubled.
     pub(crate) fn field_passes_until(
         &self,
         exposures: &[Exposure],

@@ -54,8 +54,8 @@ pub fn annotate(
 /// Checks the name of an annotated file, which has the format of the schedule, and of the file of its streaks.
 ///
 /// # Errors
-/// The extension of `output` is that of another format (that of `input` is always allowed), or the file of the streaks is
-/// the schedule.
+/// The extension of `output` is that of another format (that of `input` is always allowed), or the file of the streaks
+/// is the schedule.
 pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> Result<(), Error> {
     let is_parquet = output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
     let is_other = is_parquet || ScheduleFormat::by_extension(output).is_some_and(|other| other != format);

@@ -91,8 +91,8 @@ const ALSO_TEXTS: &[&str] = &["exposures", "frames", "loops", "repeat", "repeats
 const ALSO_ROW_NUMBERS: &[&str] = &["count", "exposures", "frames"];
 /// Number of rows by which a column of running numbers is recognised.
 const COMPARED_ROWS: usize = 20;
-/// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by less
-/// than 0.1 arcsec. Other texts may be the numbers, names or types of frames.
+/// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by
+/// less than 0.1 arcsec. Other texts may be the numbers, names or types of frames.
 const OTHER_FRAMES: &[&str] = &[
     "fk4",
     "fk4noe",
@@ -149,12 +149,12 @@ pub(in crate::schedule) struct Checks {
 }
 
 impl Checks {
-    /// Finds the columns that are compared with those that are read, and those that change their meaning. `read` are the
-    /// quantities that are read and their columns; `counted` is the column of a number of exposures that is used.
+    /// Finds the columns that are compared with those that are read, and those that change their meaning. `read` are
+    /// the quantities that are read and their columns; `counted` is the column of a number of exposures that is used.
     ///
     /// # Errors
-    /// The unit of a column that is read is unknown or contradicts its name, or the file states another frame. Others with
-    /// such a unit are not compared.
+    /// The unit of a column that is read is unknown or contradicts its name, or the file states another frame. Others
+    /// with such a unit are not compared.
     pub fn find(
         path: &Path,
         table: &RawTable,

@@ -211,6 +211,13 @@ fn target_chip(
         let allowed = "a unit of light, such as adu, electron or Jy";
         return Err(Error::invalid("BUNIT", format_args!("'{}'", unit.value), allowed).in_hdu(path.as_ref(), hdu));
     }
+    // Pixels of stacks of Pan-STARRS are asinh magnitudes of the light.
+    if let Some(softening) = file.header(hdu)?.number("BSOFTEN") {
+        let given = format!("{softening}: the pixels are an asinh of the light");
+        return Err(
+            Error::invalid("BSOFTEN", given, "pixels that are proportional to the light").in_hdu(path.as_ref(), hdu)
+        );
+    }
     let (mag, basis) = match (overrides.zero_point, &calibration.zero_point) {
         (Some(given), _) => given,
         (None, Some(stated)) => match stated.basis {

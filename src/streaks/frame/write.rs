@@ -55,9 +55,9 @@ pub struct Injected {
 ///
 /// If a chip has a variance plane ([`TargetChip::variance_hdu`]) and noise was added, the variance of the light is
 /// added to that plane. If requested, a mask for each chip with streaks and the tables `STREAKS` and `STREAK_POINTS`
-/// are appended after the HDUs of the frame, with the first EXTVER that is free in it. A mask is named `MASK`, or `MASK_<chip>` if there are several chips or
-/// `MASK` exists. Chips without streaks are not changed. The streaks come from [`crate::streaks::draw_on_chip`], in any
-/// order.
+/// are appended after the HDUs of the frame, with the first EXTVER that is free in it. A mask is named `MASK`, or
+/// `MASK_<chip>` if there are several chips or `MASK` exists. Chips without streaks are not changed. The streaks come
+/// from [`crate::streaks::draw_on_chip`], in any order.
 ///
 /// # Errors
 /// The file cannot be written, or the streaks do not fit the frame; an existing file at `output` is then unchanged.
@@ -162,8 +162,8 @@ fn greatest_count(target: &TargetChip, detector: Option<&Detector>) -> Option<f6
     [full, rounded, of_type].into_iter().flatten().min_by(f64::total_cmp)
 }
 
-/// Returns the light of each streak above the greatest count of a pixel. In a pixel with several streaks it is divided in
-/// proportion to their light.
+/// Returns the light of each streak above the greatest count of a pixel. In a pixel with several streaks it is divided
+/// in proportion to their light.
 fn clipped_counts(
     frame: &TargetFrame,
     target: &TargetChip,
@@ -338,9 +338,9 @@ fn append_masks(
     Ok(())
 }
 
-/// Returns the name of the mask of a chip, and the cards that state its version and its chip. The name is `MASK` if it is
-/// the only one, otherwise it contains that of the chip. HDUs with the same name have different versions; `taken` holds
-/// those of the other HDUs of the file.
+/// Returns the name of the mask of a chip, and the cards that state its version and its chip. The name is `MASK` if it
+/// is the only one, otherwise it contains that of the chip. HDUs with the same name have different versions; `taken`
+/// holds those of the other HDUs of the file.
 pub(in crate::streaks) fn mask_name(
     frame: &TargetFrame,
     target: &TargetChip,

@@ -1,11 +1,11 @@
 //! Labels of injected streaks, with which detectors of streaks are trained: COCO, YOLO with oriented boxes, and DS9.
 //!
-//! The outline of a streak is the part of it in the image, widened by its full width at half maximum on both sides and at
-//! both ends. Streaks of which only the wings reach the image have no label.
+//! The outline of a streak is the part of it in the image, widened by its full width at half maximum on both sides and
+//! at both ends. Streaks of which only the wings reach the image have no label.
 //!
-//! Images of COCO and YOLO have their origin at the corner of the first pixel of the file, and y increases with the rows of
-//! the file. This is the order of the rows of the array that astropy returns. A picture with the first row at the bottom,
-//! as DS9 shows it, needs height - y.
+//! Images of COCO and YOLO have their origin at the corner of the first pixel of the file, and y increases with the
+//! rows of the file. This is the order of the rows of the array that astropy returns. A picture with the first row at
+//! the bottom, as DS9 shows it, needs height - y.
 
 use std::path::{Path, PathBuf};
 
@@ -165,8 +165,8 @@ impl Label {
         })
     }
 
-    /// Returns the area in any of the polygons, which are convex and may overlap, square pixels: the sum of their chords
-    /// along equidistant rows.
+    /// Returns the area in any of the polygons, which are convex and may overlap, square pixels: the sum of their
+    /// chords along equidistant rows.
     fn area_pix(&self) -> f64 {
         /// Distance of the rows, pixels.
         const STEP_PIX: f64 = 0.125;
@@ -320,8 +320,9 @@ fn coco(frames: &[(&Path, &[LabelledImage])]) -> String {
     document.to_string() + "\n"
 }
 
-/// Returns the lines of an image: class 0, and the corners of the oriented box as fractions of width and height. The two
-/// sides along the streak are cut at the edges of the image, because the format has no coordinates outside of 0 to 1.
+/// Returns the lines of an image: class 0, and the corners of the oriented box as fractions of width and height. The
+/// two sides along the streak are cut at the edges of the image, because the format has no coordinates outside of 0 to
+/// 1.
 fn yolo(image: &LabelledImage) -> String {
     let [rows, columns] = image.size.map(|count| count as f64);
     let line = |label: &Label| {

@@ -193,7 +193,8 @@ impl<'a> Injection<'a> {
     }
 }
 
-/// Checks that the files of labels, of which frames with several chips have one for each, can be written and are no inputs.
+/// Checks that the files of labels, of which frames with several chips have one for each, can be written and are no
+/// inputs.
 fn check_labels(plan: &InjectionPlan, outputs: &[PathBuf], known: &[TargetFrame]) -> Result<(), Error> {
     let place = |path: &Path| std::fs::canonicalize(path).ok();
     let inputs: Vec<PathBuf> = plan.inputs.iter().filter_map(|input| place(input)).collect();

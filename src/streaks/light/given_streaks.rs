@@ -229,8 +229,8 @@ impl GivenStreak {
         Ok([from_s, to_s])
     }
 
-    /// Returns the track of the light, which moves evenly from one end to the other: along a straight line of `chip`, or
-    /// along a great circle.
+    /// Returns the track of the light, which moves evenly from one end to the other: along a straight line of `chip`,
+    /// or along a great circle.
     ///
     /// # Errors
     /// A time is outside of the exposure, or a position has no direction on the sky.

@@ -39,7 +39,8 @@ pub struct SatelliteLight<'a> {
 pub struct SatelliteExposure {
     /// Satellites that are lit somewhere on their track through the field.
     pub sources: Vec<Source>,
-    /// NORAD catalogue numbers of the satellites that may be anywhere on their orbits, because their elements are too old.
+    /// NORAD catalogue numbers of the satellites that may be anywhere on their orbits, because their elements are too
+    /// old.
     pub unknown: Vec<NoradId>,
 }
 

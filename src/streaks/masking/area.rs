@@ -6,7 +6,8 @@ use super::corridor::Cell;
 use crate::images::{LightArea, PixelPosition};
 use crate::math::convex::clip;
 
-/// Distance between a polygon and a streak that is not straight, as a fraction of the half width, and at least in pixels.
+/// Distance between a polygon and a streak that is not straight, as a fraction of the half width, and at least in
+/// pixels.
 const BEND_SHARE: f64 = 0.1;
 const LEAST_BEND_PIX: f64 = 1.0;
 /// Number of points of a circle around each corner of a cell. Their polygon is outside the circle, and inside a circle
@@ -61,7 +62,8 @@ impl Area {
         self.runs.iter().map(|(_, columns)| columns.len()).sum()
     }
 
-    /// Returns the values of all pixels of a chip of this size: one value for those outside and another for those inside.
+    /// Returns the values of all pixels of a chip of this size: one value for those outside and another for those
+    /// inside.
     pub fn values<T: Copy>(&self, [rows, columns]: [usize; 2], [outside, inside]: [T; 2]) -> Vec<T> {
         let mut values = vec![outside; rows * columns];
         for (row, range) in &self.runs {
@@ -95,8 +97,8 @@ fn pixels_in(from: f64, to: f64, all: &Range<usize>) -> Option<Range<usize>> {
     (first < end).then_some(first..end)
 }
 
-/// Returns the range of columns in a row that are within the radius of the line of a cell; empty (from infinity) if there
-/// are none.
+/// Returns the range of columns in a row that are within the radius of the line of a cell; empty (from infinity) if
+/// there are none.
 fn columns_near(cell: &Cell, row: f64) -> [f64; 2] {
     let ([from, to], radius) = (cell.ends, cell.radius_pix);
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];

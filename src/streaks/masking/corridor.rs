@@ -108,8 +108,8 @@ impl UncertainTrack<'_> {
         Some([times_s[from.saturating_sub(1)], times_s[(to + 1).min(times_s.len() - 1)]])
     }
 
-    /// Returns the cells of the corridor on a chip, in order of time. Cells that cannot reach the chip, and those without
-    /// light, are omitted.
+    /// Returns the cells of the corridor on a chip, in order of time. Cells that cannot reach the chip, and those
+    /// without light, are omitted.
     ///
     /// `rate` returns the light per second at a predicted time, in the unit of the frame, 0 if the satellite is dark;
     /// `half_width_pix` the distance up to which the light is to be covered, `None` if it is nowhere bright enough; and
@@ -134,8 +134,8 @@ impl UncertainTrack<'_> {
             SkyPoint { time_s, direction, range_km, magnitude: None }
         };
         let track = SkyTrack { points: evenly(near_s).into_iter().map(point).collect() };
-        // Of wide errors across the track, only those that lead near the chip are used, because world coordinates may not
-        // be defined far from it.
+        // Of wide errors across the track, only those that lead near the chip are used, because world coordinates may
+        // not be defined far from it.
         let [from_rad, to_rad] = if self.across_rad > near_rad {
             let away_rad = distance_across(&track, &middle);
             [(-self.across_rad).max(away_rad - near_rad), self.across_rad.min(away_rad + near_rad)]

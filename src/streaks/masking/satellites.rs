@@ -33,8 +33,8 @@ const ERROR_AT_ENDS: f64 = 2.0;
 /// Options of a mask.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct MaskOptions {
-    /// Probability that the streak of a satellite is in its corridor, (0, 1), and the probability that it is not brighter
-    /// than the magnitude for which the corridor is computed.
+    /// Probability that the streak of a satellite is in its corridor, (0, 1), and the probability that it is not
+    /// brighter than the magnitude for which the corridor is computed.
     pub coverage: f64,
     /// Light is covered down to this multiple of the local noise of a pixel.
     pub threshold: f64,
@@ -42,7 +42,8 @@ pub struct MaskOptions {
     pub min_probability: f64,
     /// Full width of the light of a streak, arcsec; `None` to compute it from brightness and noise.
     pub width_arcsec: Option<f64>,
-    /// True if the zero point of the frame is known. Without it and `width_arcsec`, only measured streaks can be masked.
+    /// True if the zero point of the frame is known. Without it and `width_arcsec`, only measured streaks can be
+    /// masked.
     pub is_calibrated: bool,
     /// Seeing and telescope.
     pub optics: Optics,
@@ -83,8 +84,8 @@ pub struct MaskedStreak {
     pub late_s: [f64; 2],
     /// Largest distance across the track, radians.
     pub across_rad: f64,
-    /// Predicted magnitude at that time, and the magnitude for which the corridor is computed; `None` if the width of the
-    /// light is given.
+    /// Predicted magnitude at that time, and the magnitude for which the corridor is computed; `None` if the width of
+    /// the light is given.
     pub brightness: Option<(Brightness, f64)>,
     /// Light of the brightest pixel, in multiples of the local noise; infinite in a frame without noise, `None` if the
     /// width of the light is given.
@@ -369,8 +370,8 @@ impl Masking<'_> {
         let errors = PositionErrors { lateness, not_manoeuvred, cross_track_km: uncertainty.cross_track_km, delay_s };
         let delays_s = measured.iter().filter_map(|streak| streak.late_s);
         let longest_s = delays_s.map(|(late_s, sigma_s)| late_s.abs() + self.sigmas * sigma_s).fold(delay_s, f64::max);
-        // Positions are computed for all times at which a delayed satellite was predicted. The motion of the site moves an
-        // end of the streak by at most as much as the delay.
+        // Positions are computed for all times at which a delayed satellite was predicted. The motion of the site moves
+        // an end of the streak by at most as much as the delay.
         let margin_s = 2.0 * longest_s + 1.0;
         let wide = Exposure {
             start: seconds_after(self.frame.opened, -margin_s),
@@ -406,8 +407,8 @@ impl Masking<'_> {
         })
     }
 
-    /// Returns the predicted track with its errors, the times at which it may be near the frame, and the probability that
-    /// its corridor contains the streak; `None` if it does not lead near the frame.
+    /// Returns the predicted track with its errors, the times at which it may be near the frame, and the probability
+    /// that its corridor contains the streak; `None` if it does not lead near the frame.
     fn predicted<'a>(
         &self,
         errors: &PositionErrors,
@@ -432,8 +433,8 @@ impl Masking<'_> {
         Some((track(reach_s, across_rad), near_s, errors.not_manoeuvred * covered))
     }
 
-    /// Returns the corridors of a satellite on all chips, measured or else predicted, and the reason why the prediction is
-    /// not masked on a chip.
+    /// Returns the corridors of a satellite on all chips, measured or else predicted, and the reason why the prediction
+    /// is not masked on a chip.
     fn on_chips(
         &self,
         satellite: &Satellite<'_>,
@@ -622,8 +623,8 @@ pub fn missing_zero_point(frame: &TargetFrame, why: &str) -> Error {
     )
 }
 
-/// Returns the corners of a polygon on the sky, anticlockwise as seen by the observer (IVOA DALI 1.1, section 3.3.7). In
-/// mirrored images they are clockwise in pixels.
+/// Returns the corners of a polygon on the sky, anticlockwise as seen by the observer (IVOA DALI 1.1, section 3.3.7).
+/// In mirrored images they are clockwise in pixels.
 fn on_sky(chip: &Chip, polygon: Vec<PixelPosition>) -> Vec<Direction<Gcrs>> {
     let mut corners: Vec<_> = polygon.into_iter().filter_map(|corner| chip.wcs.to_sky(corner)).collect();
     let next = corners.iter().cycle().skip(1);

@@ -240,8 +240,8 @@ impl ChosenPlanes {
     /// Finds the planes of a frame and the bit in them. A new name gets the first bit that no plane of the frame uses.
     ///
     /// # Errors
-    /// A plane is missing, not a mask of whole numbers, or of another size; it is not known which chip it describes; the
-    /// bit does not exist in it, or its number is that of another name; or pixels of 64 bits are outside ±2⁵³.
+    /// A plane is missing, not a mask of whole numbers, or of another size; it is not known which chip it describes;
+    /// the bit does not exist in it, or its number is that of another name; or pixels of 64 bits are outside ±2⁵³.
     pub fn new(frame: &TargetFrame, planes: &[PlaneChoice], bit: &MaskBit) -> Result<Self, Error> {
         let of_chips = planes_of(frame, planes)?;
         let path = frame.file.path();

@@ -9,20 +9,20 @@ use crate::error::Error;
 use crate::images::{Patch, PatchRows, PixelPosition, PsfGrid};
 use crate::watch::Watch;
 
-/// Number of positions of a star within a pixel, along each axis, for which its light in pixels is computed. Points of the
-/// path are divided among the nearest four of them, which adds 0.03 pixels in quadrature to the width.
+/// Number of positions of a star within a pixel, along each axis, for which its light in pixels is computed. Points of
+/// the path are divided among the nearest four of them, which adds 0.03 pixels in quadrature to the width.
 const PHASES: i64 = 16;
 /// Largest distance of the points that form the path, pixels.
 const STEP_PIX: f64 = 0.05;
 /// Side of the squares in which a variable point spread function is that of their middle, pixels.
 const BLOCK_PIX: f64 = 64.0;
 
-/// Square of the frame, position within a pixel in units of 1/16, and pixel. In this order, the light of a star is computed
-/// once for each square and position within a pixel, and is not kept.
+/// Square of the frame, position within a pixel in units of 1/16, and pixel. In this order, the light of a star is
+/// computed once for each square and position within a pixel, and is not kept.
 type Place = ([i64; 2], [i64; 2], [i64; 2]);
 
-/// Draws a path in a frame of `rows` by `columns` pixels. The light of each point is conserved: the pixels of a star have
-/// the sum of its light at each position within a pixel.
+/// Draws a path in a frame of `rows` by `columns` pixels. The light of each point is conserved: the pixels of a star
+/// have the sum of its light at each position within a pixel.
 ///
 /// # Errors
 /// The sum of a variable point spread function is not positive somewhere on the path, or the computation is stopped.
@@ -85,8 +85,8 @@ pub fn draw_image(
     Ok(patch)
 }
 
-/// Returns the samples of the point spread function in the middle of a square. A square outside of the frame has those of
-/// the nearest place in the frame, because a polynomial has no meaning elsewhere.
+/// Returns the samples of the point spread function in the middle of a square. A square outside of the frame has those
+/// of the nearest place in the frame, because a polynomial has no meaning elsewhere.
 fn samples_at(psf: &PsfGrid, block: [i64; 2], rows: usize, columns: usize) -> Result<Vec<f64>, Error> {
     let middle = |axis: usize, count: usize| ((block[axis] as f64 + 0.5) * BLOCK_PIX).clamp(0.0, count as f64);
     let middle = PixelPosition { x: middle(0, columns), y: middle(1, rows) };
@@ -179,12 +179,12 @@ impl StampFrame {
 /// Half of the number of samples that determine a value between samples.
 const TAPS: i64 = 6;
 /// Shape of the window: a larger number is more accurate for well sampled images, and less for coarse ones. With 8, the
-/// largest error in units of the peak is 0.9, 0.4, 0.2, 0.05 and 0.007 % for a Gaussian in pixels with a FWHM of 1.5, 2,
-/// 2.5, 3 and 4 samples (5.2, 3.9, 2.1, 1.3 and 0.6 % for a cubic through four samples).
+/// largest error in units of the peak is 0.9, 0.4, 0.2, 0.05 and 0.007 % for a Gaussian in pixels with a FWHM of 1.5,
+/// 2, 2.5, 3 and 4 samples (5.2, 3.9, 2.1, 1.3 and 0.6 % for a cubic through four samples).
 const WINDOW: f64 = 8.0;
 
-/// Returns the weights of the samples nearest to a position, by the sine cardinal in a Kaiser window over twelve of them
-/// (Harris 1978, Proc. IEEE 66, 51); they add up to 1. Samples beyond the ends are 0.
+/// Returns the weights of the samples nearest to a position, by the sine cardinal in a Kaiser window over twelve of
+/// them (Harris 1978, Proc. IEEE 66, 51); they add up to 1. Samples beyond the ends are 0.
 fn weights(count: usize, at: f64) -> Vec<(usize, f64)> {
     let first = at.floor();
     // sinc x · I₀(β √(1 - x²/a²)) / I₀(β); the constant factor cancels.
@@ -213,7 +213,8 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// Returns the full width at half maximum of a line of light at an angle from the rows, measured across the line, pixels.
+/// Returns the full width at half maximum of a line of light at an angle from the rows, measured across the line,
+/// pixels.
 pub fn image_width_pix(psf: &PsfGrid, at: PixelPosition, angle_rad: f64) -> Option<f64> {
     let samples = psf.at(at)?;
     let [rows, columns] = psf.size;

@@ -87,8 +87,8 @@ pub fn mask_spans(
 
 /// Returns the mask of light that a detector moved outside the streaks, such as bled columns and ghosts. Pixels are
 /// `INJECTED` if the signal exceeds `noise`, the standard deviation of the frame's pixels near them, or, in a frame
-/// without noise, 10⁻⁴ of the chip's strongest signal. `added` is in the order of rows and columns; adjacent pixels of a
-/// row form one run.
+/// without noise, 10⁻⁴ of the chip's strongest signal. `added` is in the order of rows and columns; adjacent pixels of
+/// a row form one run.
 ///
 /// These pixels are not marked as `STREAK`, because a streak detector should find only the line, and pipelines mask
 /// bleeding and ghosts by other planes.

@@ -29,8 +29,8 @@ impl NoiseMap {
         Self { across: 0, sigmas: vec![sigma] }
     }
 
-    /// Computes the noise of a chip from every fourth illuminated row. `read` returns the pixels of the rows of a row of
-    /// cells, one row after the other, each with all `columns`. Pixels without a value are NaN.
+    /// Computes the noise of a chip from every fourth illuminated row. `read` returns the pixels of the rows of a row
+    /// of cells, one row after the other, each with all `columns`. Pixels without a value are NaN.
     ///
     /// The noise of a cell is 1.4826 times the median absolute deviation from a plane through the medians of its
     /// halves, which a gradient of the sky, stars and streaks hardly change; then the median of the cell and its

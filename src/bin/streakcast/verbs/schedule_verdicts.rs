@@ -28,8 +28,8 @@ const ROWS_AT_A_TIME: usize = 1000;
 pub struct PreparedSchedule {
     pub schedule: Schedule,
     plan: ObservationPlan,
-    /// Rows by their satellites, in the order of their first rows: one part, or one for each night or period. A schedule
-    /// without a valid row has none.
+    /// Rows by their satellites, in the order of their first rows: one part, or one for each night or period. A
+    /// schedule without a valid row has none.
     parts: Vec<Part>,
     /// Sky of the first part. The others are prepared when they are used, so that few are in memory.
     first_sky: Option<PreparedSky>,
@@ -268,8 +268,8 @@ impl PreparedSchedule {
     }
 }
 
-/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites: nights, if there are several
-/// and the files have element sets of several epochs. The inputs are returned if there are several skies.
+/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites: nights, if there are
+/// several and the files have element sets of several epochs. The inputs are returned if there are several skies.
 fn parts_and_inputs(
     config: &Config,
     schedule: &Schedule,

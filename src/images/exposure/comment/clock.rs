@@ -32,6 +32,14 @@ impl Comment {
         self.has(UNIVERSAL)
     }
 
+    /// Returns true if the comment states that a time was converted to universal time, as in "TSTART, expressed in
+    /// UTC".
+    pub fn is_converted_to_universal(&self) -> bool {
+        let lower = self.text.to_ascii_lowercase();
+        let is_converted = self.has("expressed converted") || lower.contains("tstart") || lower.contains("tstop");
+        is_converted && self.has_pair("in as to into", UNIVERSAL) && !self.has("not")
+    }
+
     /// Returns true if the comment states a local time.
     pub fn is_local(&self) -> bool {
         // "local time converted to UTC", "UTC = local + 7 h"
@@ -216,6 +224,20 @@ mod tests {
             ("start of exposure", TimeScale::TAI, false),
         ] {
             assert_eq!(Comment::new(text).contradicts(scale), is_other, "{text}");
+        }
+    }
+
+    #[test]
+    fn times_that_were_converted_to_utc() {
+        for (text, is_converted) in [
+            ("TSTART, expressed in UTC", true),
+            ("TSTART as UTC calendar date", true),
+            ("converted to UTC", true),
+            ("Start Time (UTC) of exposure", false),
+            ("TSTART", false),
+            ("TSTART, not expressed in UTC", false),
+        ] {
+            assert_eq!(Comment::new(text).is_converted_to_universal(), is_converted, "{text}");
         }
     }
 

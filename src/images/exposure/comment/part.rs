@@ -1,6 +1,7 @@
 //! Part of the exposure to which an instant refers, by the comment of its card.
 
 use super::clock::{OTHER_SCALES, UNIVERSAL};
+use super::seconds::seconds_in;
 use super::words::{CLOCK, Comment, EXPOSURE, PARTS, Role, lists};
 
 /// Words of the end that have another meaning before a noun.
@@ -236,9 +237,12 @@ fn is_of_event(words: &[String], at: usize) -> bool {
 /// Returns true if a word of a part qualifies the time or the exposure, false if it may, and `None` if it does not. The
 /// word that follows in the clause decides, or else the word that precedes.
 fn qualifies(words: &[String], at: usize) -> Option<bool> {
-    let counts = |word: &&String| !lists(FILLERS, word) && !word.starts_with(|c: char| c.is_ascii_digit());
-    let next = words[at + 1..].iter().find(counts);
-    let previous = words[..at].iter().rev().find(counts);
+    // "start of the 30 s exposure"
+    let is_number = |word: &str| word.starts_with(|c: char| c.is_ascii_digit());
+    let is_unit = |at: usize| at > 0 && is_number(&words[at - 1]) && seconds_in(&words[at]).is_some();
+    let counts = |at: &usize| !lists(FILLERS, &words[*at]) && !is_number(&words[*at]) && !is_unit(*at);
+    let next = (at + 1..words.len()).find(counts).map(|at| &words[at]);
+    let previous = (0..at).rev().find(counts).map(|at| &words[at]);
     let is_part = |word: &str| PARTS.iter().any(|(_, list)| lists(list, word));
     match (next, previous) {
         (Some(next), _) if lists(EXPOSURE, next) || lists(CLOCK, next) || is_part(next) => Some(true),
@@ -277,6 +281,10 @@ mod tests {
             ("UTC at shutter close minus exposure", Ok(Some(Role::Start))),
             ("end - exptime/2", Ok(Some(Role::Middle))),
             ("(start + end) / 2", Ok(Some(Role::Middle))),
+            ("start of the 30 s exposure", Ok(Some(Role::Start))),
+            ("middle of the 5 minute exposure", Ok(Some(Role::Middle))),
+            ("end of 30s exposure", Ok(Some(Role::End))),
+            ("end of 30 s delay", Err(UNCLEAR)),
             ("UTC, not mid-exposure", Ok(None)),
             ("UTC, not mid or end", Ok(None)),
             ("UTC (not the exposure end)", Ok(None)),

@@ -35,7 +35,11 @@ impl Comment {
         };
         let stated: Vec<&Quantity> = all.iter().filter(|quantity| !is_limit(quantity)).collect();
         let Some(first) = stated.first() else {
-            return if self.has(STEPS) { Err("steps of unknown size".to_owned()) } else { Ok(None) };
+            return if self.has(STEPS) || self.has_pair("line row", "times") {
+                Err("steps of unknown size".to_owned())
+            } else {
+                Ok(None)
+            };
         };
         let is_size = |quantity: &&&Quantity| {
             let before = before(quantity);
@@ -154,6 +158,7 @@ mod tests {
             ("1 unit = 10 ms", 5.0, Ok(Some(0.01))),
             ("in units of 10 ms", 5.0, Ok(Some(0.01))),
             ("in units of 10 ms", 0.5, unclear("10 ms")),
+            ("exposure in line times", 5.0, Err("steps of unknown size".to_owned())),
             ("ticks of 1/60 s", 5.0, Ok(Some(1.0 / 60.0))),
             ("Exposure in 1/1000 s", 5.0, Ok(Some(1e-3))),
             ("1/100 s", 200.0, Ok(Some(0.01))),

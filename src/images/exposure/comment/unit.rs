@@ -10,7 +10,8 @@ const OTHER_UNITS: &str = "week weeks month months year years fortnight fortnigh
 const COUNTS: &str = "frames reads counts pulses samples loops rows";
 /// Words of other quantities.
 const NO_TIMES: &str = "inverse reciprocal denominator percent ev";
-/// Functions of seconds.
+/// Units of speeds, and functions of seconds.
+const SPEEDS: &[&str] = &["m/s", "km/s"];
 const FUNCTIONS: &[&str] =
     &["log10", "log2", "log(", "log sec", "log seconds", "1/x", "per sec", "per second", "per seconds"];
 /// Statements of factors, and their error.
@@ -76,6 +77,9 @@ impl Comment {
         // The Greek letter of microseconds.
         if lower.contains("?s") {
             return Err("a unit that is not ASCII".to_owned());
+        }
+        if let Some(speed) = SPEEDS.iter().find(|speed| has_form(&lower, speed)) {
+            return Err(format!("the unit {speed}"));
         }
         if is_divided(&lower) || SCALINGS.iter().any(|scaling| lower.contains(scaling)) {
             return Err(SCALED.to_owned());
@@ -442,6 +446,11 @@ mod tests {
             ("seconds; 1/60 s accuracy", Ok(Some(1.0))),
             ("exposure [ms], dead time 2 s", Ok(Some(1e-3))),
             ("ticks", Err("steps of unknown size".to_owned())),
+            ("line times", Err("steps of unknown size".to_owned())),
+            ("exposure in s, line times 20 us", Ok(Some(1.0))),
+            ("exposure in m/s", Err("the unit m/s".to_owned())),
+            ("exposure, km/s", Err("the unit km/s".to_owned())),
+            ("exposure (h/m/s)", Err("the unit m/s".to_owned())),
             ("clock cycles", Err("steps of unknown size".to_owned())),
             ("exposure in s (1200 lines)", Ok(Some(1.0))),
             ("exposure (max 30 s)", Ok(None)),

@@ -21,8 +21,9 @@ pub fn folder_of_days(file: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Writes the element sets downloaded at `now` into the folder of days. The newest file and the oldest one of each block
-/// of four days are kept up to an age of 16 days, thus at most six files; others that have names of days are removed.
+/// Writes the element sets downloaded at `now` into the folder of days. The newest file and the oldest one of each
+/// block of four days are kept up to an age of 16 days, thus at most six files; others that have names of days are
+/// removed.
 ///
 /// # Errors
 /// The folder or a file cannot be written or removed.

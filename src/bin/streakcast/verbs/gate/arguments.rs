@@ -146,8 +146,8 @@ pub struct Flags {
 }
 
 impl Flags {
-    /// Checks everything that does not depend on files. `has_invalid_file` is true if a file of settings has an error, so
-    /// that it may have what the flags lack.
+    /// Checks everything that does not depend on files. `has_invalid_file` is true if a file of settings has an error,
+    /// so that it may have what the flags lack.
     ///
     /// # Errors
     /// A flag is invalid or missing. Everything else is a fault, which does not stop a sequence.

@@ -1,4 +1,5 @@
-//! Verdict of a run of the gate, and what is stated about it: the line in the log and the status file with its counters.
+//! Verdict of a run of the gate, and what is stated about it: the line in the log and the status file with its
+//! counters.
 
 use std::path::Path;
 
@@ -99,8 +100,8 @@ pub fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value
     status.insert(name.to_owned(), value.into());
 }
 
-/// Returns the part of the log line that states by how much an exposure without a wait starts after the last start that was
-/// judged; empty if it is in time.
+/// Returns the part of the log line that states by how much an exposure without a wait starts after the last start that
+/// was judged; empty if it is in time.
 fn late(waited_s: f64, until: Epoch, now: Epoch) -> String {
     let late_s = seconds_between(until, now);
     // Less is printed as 0.0 s.

@@ -296,8 +296,9 @@ fn row_of(target: &WindowTarget, start: Epoch) -> ScheduledExposure {
     ScheduledExposure { id: exposure.id.clone(), row: 0, band: band.clone(), open_s: None, exposure: Ok(exposure) }
 }
 
-/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the last start for which they
-/// were computed: of the beginnings of the windows and of starts at equal intervals from the first to the last time.
+/// Returns the first start in the windows at which the streaks cost at most `most_s`, with the last start for which
+/// they were computed: of the beginnings of the windows and of starts at equal intervals from the first to the last
+/// time.
 fn affordable_start(
     windows: &[ClearWindow],
     (now, last): (Epoch, Epoch),

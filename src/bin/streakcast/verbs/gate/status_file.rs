@@ -150,8 +150,8 @@ pub struct Fault {
 
 impl Fault {
     pub fn new(kind: FaultKind, message: impl fmt::Display) -> Self {
-        // The message is on one line, as required by the log, and of limited length, because parts of it may come from a
-        // server.
+        // The message is on one line, as required by the log, and of limited length, because parts of it may come from
+        // a server.
         let line = message.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
         Self { kind, message: clipped(&line, LONGEST_MESSAGE) }
     }

@@ -98,13 +98,13 @@ pub fn of_flags(
     Ok(Table { columns: COLUMNS.to_vec(), rows: rows.collect() })
 }
 
-/// Largest difference between times in a table and in its schedule, seconds, and between angles, degrees: the rounding of
-/// tables.
+/// Largest difference between times in a table and in its schedule, seconds, and between angles, degrees: the rounding
+/// of tables.
 const ROUNDING_S: f64 = 0.01;
 const ROUNDING_DEG: f64 = 1e-5;
 
-/// Checks that starts, lengths and pointings of flags are those of the schedule, as far as the table has them. Schedules of
-/// several nights may have the same identifiers.
+/// Checks that starts, lengths and pointings of flags are those of the schedule, as far as the table has them.
+/// Schedules of several nights may have the same identifiers.
 ///
 /// # Errors
 /// An exposure differs.

@@ -43,8 +43,8 @@ impl Reload {
         is_due
     }
 
-    /// Loads the state again after each change, in a thread of its own. If that fails, or if the new state has less than
-    /// half of the `satellites`, the previous state stays in use.
+    /// Loads the state again after each change, in a thread of its own. If that fails, or if the new state has less
+    /// than half of the `satellites`, the previous state stays in use.
     pub fn start<T: Send + Sync + 'static>(
         mut self,
         current: Arc<RwLock<Arc<T>>>,

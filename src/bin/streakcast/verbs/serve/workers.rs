@@ -1,8 +1,8 @@
 //! Worker threads that compute responses, with a bounded queue, time limits, and a cache of responses.
 //!
-//! Every computation starts in the fast lane. If it takes longer than [`FAST_LIMIT`] while no other place is free there,
-//! it is stopped and started again in the slow lane, which has its own threads, so that long computations do not delay
-//! short ones. A computation is also stopped when the client leaves.
+//! Every computation starts in the fast lane. If it takes longer than [`FAST_LIMIT`] while no other place is free
+//! there, it is stopped and started again in the slow lane, which has its own threads, so that long computations do not
+//! delay short ones. A computation is also stopped when the client leaves.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};

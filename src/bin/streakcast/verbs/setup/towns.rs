@@ -77,8 +77,8 @@ impl Towns {
         Self { towns, letters: letters.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect() }
     }
 
-    /// Returns the towns with a name, the largest first: `Vienna`, or with the code of its country `Vienna, US`. Case and
-    /// marks of letters are ignored.
+    /// Returns the towns with a name, the largest first: `Vienna`, or with the code of its country `Vienna, US`. Case
+    /// and marks of letters are ignored.
     pub fn by_name(&self, name: &str) -> Vec<&Town> {
         let (name, country) = match name.rsplit_once(',') {
             Some((name, country)) => (name, Some(country.trim())),

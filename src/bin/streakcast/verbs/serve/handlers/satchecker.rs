@@ -103,7 +103,8 @@ pub fn passes(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let (found, left_out) = passes_of(0)?;
     let mut caveats =
         state.caveats_at(exposure.start, seconds_after(exposure.start, exposure.duration_s), &left_out)?;
-    // The format has no verdict: without this warning, an empty response for a field below the horizon means a clear one.
+    // The format has no verdict: without this warning, an empty response for a field below the horizon means a clear
+    // one.
     let below = state.prepared().check_altitude_from(sky.viewpoint(), "field", &exposure);
     caveats.warnings.extend(below.err().map(|error| error.to_string()));
     let expected: f64 = found.iter().map(|pass| length_s(pass).ceil().min(MAX_SAMPLES as f64) + 1.0).sum();

@@ -33,8 +33,9 @@ fn parsed(target: &str) -> Option<Direction<Gcrs>> {
     })
 }
 
-/// Divides coordinates at a comma, at the sign of the declination, or at the only blank. Coordinates at a comma must have
-/// the same number of parts: in `12,5 30` and `12 30,5` the comma is a decimal one, which is an error on the command line.
+/// Divides coordinates at a comma, at the sign of the declination, or at the only blank. Coordinates at a comma must
+/// have the same number of parts: in `12,5 30` and `12 30,5` the comma is a decimal one, which is an error on the
+/// command line.
 fn angles(text: &str) -> Option<(&str, &str)> {
     if let Some((ra, dec)) = text.split_once(',') {
         let parts = |text: &str| text.split_whitespace().count();
