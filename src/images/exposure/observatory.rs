@@ -22,6 +22,8 @@ const NAMES: [&str; 7] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SI
 /// Keyword of codes such as `coj` (Las Cumbres Observatory). Numbers are no codes of the Minor Planet
 /// Center in this keyword, because they have another meaning in other headers.
 const SITE_CODE: &str = "SITEID";
+/// Telescopes in orbits about the Earth; those about the Sun have no element sets.
+const IN_ORBIT: [&str; 5] = ["HST", "NEOSSat", "WISE", "CHEOPS", "SWIFT"];
 /// Keywords of codes of the Minor Planet Center.
 const MPC_CODES: &[&str] = &["MPC-CODE", "OBS-CODE", "IAU-CODE"];
 /// Codes of the sites of the Las Cumbres Observatory.
@@ -244,10 +246,14 @@ fn candidates(name: &str) -> Vec<&'static Site> {
     }
 }
 
-/// Returns a sentence about the latitude and the longitude in keywords that no standard defines, which are not used
-/// without the name of a site; `None` if the headers have none.
+/// Returns a sentence about what gives no site: a telescope in orbit, or the latitude and the longitude in keywords that
+/// no standard defines, which are not used without the name of a site; `None` if the headers have neither.
 pub fn unused_coordinates(headers: &[&Header]) -> Option<String> {
     let keywords = Keywords(headers);
+    let telescope = keywords.text(&["TELESCOP"]).map(|(_, name)| name).unwrap_or_default();
+    if IN_ORBIT.iter().any(|name| telescope.eq_ignore_ascii_case(name)) {
+        return Some(format!("TELESCOP {telescope:?} is in orbit: specify --observer-elements with its elements"));
+    }
     let found = |names: &[&str]| {
         names.iter().find_map(|name| {
             let (header, keyword) = keywords.find(name)?;
@@ -660,6 +666,8 @@ mod tests {
         assert!(sentence.contains("--lat 30 --lon -110.5, or --lon 110.5 if"), "{sentence}");
         assert!(of("LAT-OBS = -30.0\nLONG-OBS= 70.0\n").unwrap().contains("--lon 70, or --lon -70 if"));
         assert_eq!(of("SITELAT = 30.0\n"), None);
+        assert!(of("TELESCOP= 'HST'\n").unwrap().contains("--observer-elements"));
+        assert!(of("TELESCOP= 'NEOSSat'\nSITELAT = 30.0\nSITELONG= 10.0\n").unwrap().contains("is in orbit"));
         assert_eq!(of("SITELAT = 0.0\nSITELONG= 0.0\n"), None);
     }
 
