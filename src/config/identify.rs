@@ -222,8 +222,8 @@ impl IdentifyConfig {
     pub fn with_site_of_frame(&self, config: Config) -> Result<(Config, Option<String>), Error> {
         #[cfg(all(feature = "fits", unix))]
         if let Some(path) = self.image.as_ref().filter(|_| config.takes_site_of_frame()) {
-            let site = super::identify_frame::site(path, self.hdu)?;
-            return config.at_site_of_header(site.as_ref(), &path.display().to_string());
+            let (site, unused) = super::identify_frame::site(path, self.hdu)?;
+            return config.at_site_of_header(site.as_ref(), unused, &path.display().to_string());
         }
         Ok((config, None))
     }

@@ -9,7 +9,9 @@ use super::error::request;
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::identify::line_in_plane;
-use crate::images::{ExposureTime, FrameFile, FrameImages, Header, HeaderSite, PixelPosition, Wcs, site_from_headers};
+use crate::images::{
+    ExposureTime, FrameFile, FrameImages, Header, HeaderSite, PixelPosition, Wcs, site_from_headers, unused_coordinates,
+};
 
 /// Parses pixel coordinates such as `1024.5,2048`, counted from 1.
 pub(super) fn pixel(text: &str) -> Result<PixelPosition, Error> {
@@ -181,11 +183,13 @@ pub(super) fn exposure(
     Ok((found.start, found.duration_s, remarks))
 }
 
-/// Returns the site in the header of a frame; `None` if it has none.
-pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<HeaderSite>, Error> {
+/// Returns the site in the header of a frame, `None` if it has none, and a sentence about coordinates that do not give
+/// it.
+pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<(Option<HeaderSite>, Option<String>), Error> {
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
-    site_from_headers(&headers).map_err(|error| error.in_file("", path))
+    let site = site_from_headers(&headers).map_err(|error| error.in_file("", path))?;
+    Ok((site, unused_coordinates(&headers)))
 }
 
 #[cfg(test)]

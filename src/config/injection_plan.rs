@@ -87,7 +87,7 @@ fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Confi
         return Ok((config.clone(), None));
     }
     match &opened.sites()?[..] {
-        sites @ ([] | [_]) => config.at_site_of_header(sites.first(), "the frames"),
+        sites @ ([] | [_]) => config.at_site_of_header(sites.first(), opened.unused_coordinates(), "the frames"),
         [first, second, ..] => {
             Err(request(format!("the frames are from two sites ({}, {})", first.site.name, second.site.name))
                 .allowing("frames of one site"))

@@ -402,7 +402,8 @@ pub(super) fn with_site(
         (None, Some((frame, _))) => frame.file.path(),
         (None, None) => return Ok((config.clone(), None)),
     };
-    config.at_site_of_header(first.as_ref().map(|(site, _)| site), &path.display().to_string())
+    let unused = frames.first().and_then(|(frame, _)| frame.unused_coordinates());
+    config.at_site_of_header(first.as_ref().map(|(site, _)| site), unused, &path.display().to_string())
 }
 
 /// Returns the error of a site in a header that is not `site`, which is that of the frame `of`; `None` if it is the

@@ -316,6 +316,28 @@ impl PreparedSky {
         Ok(Some(warnings::of_left_out(left_out, unknown, satellites)))
     }
 
+    /// Returns the warning of [`left_out_warning`](Self::left_out_warning) for a request with several times or a night.
+    /// If it has rows, satellites without a position in a part of it are no error.
+    ///
+    /// # Errors
+    /// There are no rows, and no satellite can be propagated.
+    pub fn left_out_warning_of_times(
+        &self,
+        left_out: &[LeftOut],
+        moment: Epoch,
+        has_rows: bool,
+    ) -> Result<Option<String>, Error> {
+        let satellites = self.sky.elements().len();
+        match left_out.first() {
+            Some(first) if has_rows && left_out.len() == satellites => Ok(Some(format!(
+                "{satellites} of {} cannot be propagated to a part of these times (first reason: {})",
+                warnings::element_sets(satellites),
+                first.reason
+            ))),
+            _ => self.left_out_warning(left_out, moment),
+        }
+    }
+
     /// Rejects a request for times from `first` to `last` if the positions of the satellites, or that of a telescope in
     /// orbit for the crossings of a field, are unknown at its start, middle and end.
     ///

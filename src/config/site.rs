@@ -135,7 +135,7 @@ impl Config {
     }
 
     /// Returns the configuration with the site of the header of `frames` set, and a message that states it. Without
-    /// such a site, that of the home file remains.
+    /// such a site, that of the home file remains. `unused` states coordinates that do not give the site.
     ///
     /// # Errors
     /// There is no site.
@@ -143,14 +143,16 @@ impl Config {
     pub(super) fn at_site_of_header(
         &self,
         found: Option<&HeaderSite>,
+        unused: Option<String>,
         frames: &str,
     ) -> Result<(Self, Option<String>), Error> {
         let Some(HeaderSite { site, remark }) = found else {
             if !self.has_viewpoint() {
                 let flags = SITE.flags();
+                let unused = unused.map(|unused| format!("; {unused}")).unwrap_or_default();
                 return Err(Error::missing(
                     "site",
-                    format!("{flags} (the header of {frames} lacks it: {SITE_KEYWORDS})"),
+                    format!("{flags} (the header of {frames} lacks it: {SITE_KEYWORDS}{unused})"),
                 ));
             }
             let remark = format!("warning: the header of {frames} has no site; that of the home file is used");

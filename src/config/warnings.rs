@@ -116,7 +116,7 @@ pub(super) fn of_empty_period(evening: i64) -> String {
 }
 
 /// Returns a number of element sets with its noun.
-fn element_sets(count: usize) -> String {
+pub(super) fn element_sets(count: usize) -> String {
     format!("{} {}", grouped(count), if count == 1 { "element set" } else { "element sets" })
 }
 

@@ -44,6 +44,7 @@ pub(super) enum Keyword {
     TimeSystem,
     CenterName,
     DecayDate,
+    Decayed,
     Period,
     SemimajorAxis,
     TleLine1,
@@ -85,12 +86,20 @@ impl Keyword {
             b"TIME_SYSTEM" => Self::TimeSystem,
             b"CENTER_NAME" => Self::CenterName,
             b"DECAY_DATE" | b"DECAYDATE" => Self::DecayDate,
+            b"DECAYED" => Self::Decayed,
             b"PERIOD" => Self::Period,
             b"SEMIMAJOR_AXIS" | b"SEMI_MAJOR_AXIS" => Self::SemimajorAxis,
             b"TLE_LINE1" | b"LINE1" | b"LINE_1" | b"TLE1" => Self::TleLine1,
             b"TLE_LINE2" | b"LINE2" | b"LINE_2" | b"TLE2" => Self::TleLine2,
             _ => return None,
         })
+    }
+
+    /// Returns the keyword for a user-defined parameter of XML (the attribute `parameter`) or KVN (without its prefix
+    /// `USER_DEFINED_`). Only those that Space-Track adds to the keywords of the standard are read.
+    pub fn of_user(parameter: &str) -> Option<Self> {
+        let added = [Self::DecayDate, Self::Decayed, Self::Period, Self::SemimajorAxis, Self::TleLine1, Self::TleLine2];
+        Self::parse(parameter).filter(|keyword| added.contains(keyword))
     }
 
     /// Returns the spellings of the unit in which the value is read; `None` for a value that has no unit or is ignored.
@@ -182,7 +191,7 @@ impl<'a> Fields<'a> {
             let name = self.get(Keyword::ObjectName).unwrap_or_default();
             match parse_lines(name.as_bytes(), line1.as_bytes(), line2.as_bytes(), checksums) {
                 Ok((set, overlooked)) => {
-                    parsed.take(offset, self.decayed().map(|decayed| ElementSet { decayed, ..set }));
+                    parsed.take(offset, self.decayed(set.epoch).map(|decayed| ElementSet { decayed, ..set }));
                     parsed.bad_checksums_accepted += usize::from(overlooked);
                 }
                 Err((_, reason)) => parsed.take(offset, Err(reason)),
@@ -229,7 +238,7 @@ impl<'a> Fields<'a> {
             mean_motion_ddot_rev_day3: self.optional(Keyword::MeanMotionDdot, "MEAN_MOTION_DDOT")?,
             // `as` saturates and converts NaN to 0.
             revolution_at_epoch: revolution as u32,
-            decayed: self.decayed()?,
+            decayed: self.decayed(epoch)?,
             origin: Origin::Published,
         };
         let set = checked(set)?;
@@ -259,9 +268,15 @@ impl<'a> Fields<'a> {
     }
 
     /// Returns the time of DECAY_DATE, or the end of its day if it has no time. Midnight is that of a date without a
-    /// time.
-    fn decayed(&self) -> Result<Option<hifitime::Epoch>, Error> {
-        let Some(text) = self.get(Keyword::DecayDate) else { return Ok(None) };
+    /// time. A satellite that has decayed (DECAYED is 1, of Space-Track) without a date has decayed at an unknown time
+    /// after its epoch: its positions are unknown from `epoch` on.
+    fn decayed(&self, epoch: hifitime::Epoch) -> Result<Option<hifitime::Epoch>, Error> {
+        let Some(text) = self.get(Keyword::DecayDate) else {
+            let has_decayed = self
+                .get(Keyword::Decayed)
+                .is_some_and(|text| ["1", "Y", "YES", "TRUE"].iter().any(|word| word.eq_ignore_ascii_case(text)));
+            return Ok(has_decayed.then_some(epoch));
+        };
         let (date, time) = text.trim().split_once(['T', ' ']).unwrap_or((text.trim(), ""));
         let has_time = time.contains(|c: char| matches!(c, '1'..='9'));
         let decayed = epoch::parse_iso(if has_time { text } else { date }).ok_or_else(|| {

@@ -10,6 +10,8 @@ use crate::error::Error;
 
 /// The keyword at the start of a message.
 const OPENING: &str = "CCSDS_OMM_VERS";
+/// Beginning of the keywords of user-defined parameters.
+const USER_DEFINED: &str = "USER_DEFINED_";
 
 /// Returns true if one of the first lines starts an OMM.
 pub(super) fn looks_like(text: &str) -> bool {
@@ -70,7 +72,9 @@ fn parse_piece(text: &str) -> Parsed {
         if key == OPENING {
             close(&mut fields, opened_at, &mut broken);
             opened_at = offset;
-        } else if let Some(keyword) = Keyword::parse(key) {
+        } else if let Some(keyword) =
+            key.strip_prefix(USER_DEFINED).map_or_else(|| Keyword::parse(key), Keyword::of_user)
+        {
             let (value, unit) = split_unit(value);
             fields.check_unit(keyword, key, unit);
             fields.set(keyword, Cow::Borrowed(value));

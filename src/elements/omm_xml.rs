@@ -86,7 +86,12 @@ fn parse_message(text: &str) -> Result<(Fields<'_>, usize), String> {
         let event = reader.read_event().map_err(|error| excerpt(error.to_string().as_bytes()))?;
         match event {
             Event::Start(element) => {
-                keyword = Keyword::parse(element.local_name().as_ref());
+                keyword = match element.try_get_attribute("parameter") {
+                    Ok(Some(parameter)) if element.local_name().as_ref() == "USER_DEFINED" => {
+                        Keyword::of_user(&parameter.value)
+                    }
+                    _ => Keyword::parse(element.local_name().as_ref()),
+                };
                 value.clear();
                 if let Some(keyword) = keyword
                     && let Ok(Some(unit)) = element.try_get_attribute("units")

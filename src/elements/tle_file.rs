@@ -13,12 +13,15 @@ type Placed<'a> = (usize, &'a [u8]);
 
 /// Smallest length of a data line, characters. Shorter lines that begin with "1 " or "2 " may be names.
 const DATA_LENGTH: usize = 60;
+/// Largest length of the names of catalogues, characters.
+const NAME_LENGTH: usize = 24;
 
 /// Parses two-line, three-line and "0 NAME" sets, also mixed.
 ///
-/// Blank lines and lines that begin with `#` are skipped, and blanks before a data line are ignored. Text of two or
-/// more lines after a name, before the first or after the last set (bulletins) is skipped, except for lines with
-/// elements in another form. A line 1 or 2 without its partner is rejected, and parsing continues with the next line.
+/// Blank lines and lines that begin with `#` are skipped, and blanks before a data line are ignored. Text before,
+/// between and after the sets (bulletins, mails) is skipped, except for lines with elements in another form, and for a
+/// line alone that may be the name of a set that is missing. A line 1 or 2 without its partner is rejected, and parsing
+/// continues with the next line.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parse_in_chunks(text, after_next_set, |piece| parse_piece(piece.as_bytes(), checksums))
 }
@@ -83,7 +86,8 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
         // the next line.
         let is_number = |(_, line): &Placed| *line == b"1" || *line == b"2";
         let names = texts.len() - usize::from(texts.last().is_some_and(is_number));
-        reject_fragments(&texts[..names], names == 1, &mut parsed);
+        let is_missing = names == 1 && may_be_name(texts[0].1, &parsed);
+        reject_fragments(&texts[..names], is_missing, &mut parsed);
     }
     parsed
 }
@@ -93,14 +97,15 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
 fn name_in<'a>(texts: &mut Vec<Placed<'a>>, parsed: &mut Parsed) -> &'a [u8] {
     let is_name = |(_, line): &mut Placed| line.len() < DATA_LENGTH || elements_in(line).is_none();
     let name = texts.pop_if(is_name).map_or(&[][..], |(_, line)| line);
-    let is_alone = texts.len() == 1;
-    reject_fragments(texts, is_alone, parsed);
+    let is_missing = texts.len() == 1 && may_be_name(texts[0].1, parsed);
+    reject_fragments(texts, is_missing, parsed);
     texts.clear();
     name
 }
 
-/// Rejects lines that are parts of element sets by their first characters or contain elements, or the only line.
-fn reject_fragments(texts: &[Placed<'_>], is_alone: bool, parsed: &mut Parsed) {
+/// Rejects lines that are parts of element sets by their first characters or contain elements, or all of them if they
+/// are the name of a missing set.
+fn reject_fragments(texts: &[Placed<'_>], is_missing: bool, parsed: &mut Parsed) {
     let is_part = |line: &[u8]| {
         (line.starts_with(b"1 ") || line.starts_with(b"2 ")) && line.get(2).is_some_and(u8::is_ascii_digit)
     };
@@ -109,7 +114,7 @@ fn reject_fragments(texts: &[Placed<'_>], is_alone: bool, parsed: &mut Parsed) {
         let found = elements_in(line);
         // The two lines of a set are one record.
         let is_second = (before, found) == (Some(Elements::First), Some(Elements::Second));
-        if is_part(line) || (found.is_some() && !is_second) || (is_alone && !ends_bulletin(line)) {
+        if is_part(line) || (found.is_some() && !is_second) || is_missing {
             parsed.rejected.push((*offset, unexpected(line)));
         }
         before = found;
@@ -170,12 +175,22 @@ fn elements_in(line: &[u8]) -> Option<Elements> {
     }
 }
 
-/// Returns true for a line after which a bulletin has no more elements: `/EX` of packet radio, `NNNN` of telegrams, a
-/// greeting (`73 de ...`), an HTML tag, or a line without letters and digits.
-fn ends_bulletin(line: &[u8]) -> bool {
-    let line = line.trim_ascii().to_ascii_uppercase();
-    let is_end = [&b"/EX"[..], b"/EXIT", b"/ACK", b"NNNN", b"END", b"EOF", b"EOT"].iter().any(|end| line == *end);
-    is_end || line.starts_with(b"73 ") || line.starts_with(b"<") || !line.iter().any(u8::is_ascii_alphanumeric)
+/// Returns true for a line that may be the name of a set that is missing, because the file is truncated after it. It is
+/// as short as the names of catalogues, has letters, and is in capitals if the name before it is. Lines of a text are
+/// not: `/EX` of packet radio, `NNNN` of telegrams, a greeting (`73 de ...`), an HTML tag, a date, an address, a remark
+/// in brackets, and any line after a set that has no name.
+fn may_be_name(line: &[u8], parsed: &Parsed) -> bool {
+    let line = line.trim_ascii();
+    let name = line.strip_prefix(b"0 ").unwrap_or(line);
+    let before = parsed.sets.last().map_or("A", |set| set.name.as_ref());
+    let is_end = ["/EX", "/EXIT", "/ACK", "NNNN", "END", "EOF", "EOT", "QUIT", "BYE", "EXIT", "STOP"]
+        .iter()
+        .any(|end| line.eq_ignore_ascii_case(end.as_bytes()));
+    let is_text = is_end
+        || ["73 ", "<", "(", "*", "-", "www.", "http"].iter().any(|start| line.starts_with(start.as_bytes()))
+        || (name.iter().any(u8::is_ascii_lowercase) && !before.bytes().any(|byte| byte.is_ascii_lowercase()));
+    let has_letters = name.iter().any(u8::is_ascii_alphabetic);
+    !before.is_empty() && !is_text && has_letters && name.len() <= NAME_LENGTH.max(before.len())
 }
 
 /// Returns true for a line that explains the columns, with letters in place of a catalogue number.

@@ -46,4 +46,3 @@ pub use self::{
     sun::SunTable,
     topocentric::icrs_of_apparent,
 };
-pub(crate) use site::SAME_SITE_KM;

@@ -37,7 +37,7 @@ pub struct Site {
 const LEAST_COMMON_LETTERS: usize = 4;
 
 /// Distance below which sites are telescopes of one observatory, km.
-pub(crate) const SAME_SITE_KM: f64 = 15.0;
+const SAME_SITE_KM: f64 = 15.0;
 
 struct Entry {
     site: Site,

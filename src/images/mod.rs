@@ -69,6 +69,7 @@ pub use self::{
     detector::{Bleeding, Detector, Quantisation, ReadoutCorner, Saturated, Saturation},
     exposure::{
         Calibration, CountBasis, ExposureTime, HeaderSite, PixelUnit, SITE_KEYWORDS, UNNAMED_SITE, site_from_headers,
+        unused_coordinates,
     },
     magnitude_limit::MagnitudeLimit,
     regions::{OUTLINES, Outline, parse_regions},

@@ -68,7 +68,7 @@ pub fn parse_regions(path: &str, text: &str, shapes: &str) -> Result<Vec<Region>
     let mut system: Option<Result<System, String>> = None;
     for (number, line) in text.lines().enumerate() {
         let fail = |problem: String| Error::format(problem).in_line("", path, number + 1);
-        for statement in statements_of(line).split(';').map(str::trim).filter(|statement| !statement.is_empty()) {
+        for statement in statements_of(line) {
             let lower = statement.to_ascii_lowercase();
             if lower.starts_with("global") {
                 continue;
@@ -99,15 +99,32 @@ pub fn parse_regions(path: &str, text: &str, shapes: &str) -> Result<Vec<Region>
     Ok(regions)
 }
 
-/// Returns a line without its comment. A comment that is a shape of DS9 is a statement.
-fn statements_of(line: &str) -> &str {
-    let (statements, comment) = line.split_once('#').unwrap_or((line, ""));
-    let shape = comment.trim_start();
-    if statements.trim().is_empty() && COMMENTED.iter().any(|name| is_shape(shape, name)) {
-        shape.split_inclusive(')').next().unwrap_or_default()
-    } else {
-        statements
+/// Returns the statements of a line without its comment. A comment at the beginning of a statement that is a shape of
+/// DS9 is a statement; `xpaget ds9 regions -strip yes` writes all regions in one line, as `fk5;# vector(...)
+/// vector=1;`.
+fn statements_of(line: &str) -> Vec<&str> {
+    let mut statements = Vec::new();
+    let mut rest = line.trim_start();
+    while !rest.is_empty() {
+        let (statement, after) = if let Some(comment) = rest.strip_prefix('#') {
+            let shape = comment.trim_start();
+            if !COMMENTED.iter().any(|name| is_shape(shape, name)) {
+                break;
+            }
+            let (shape, properties) = shape.split_at(shape.find(')').map_or(shape.len(), |at| at + 1));
+            // A text may contain semicolons.
+            let next = properties.split_once(';').filter(|(before, _)| !before.contains(['{', '"', '\'']));
+            (shape, next.map_or("", |(_, next)| next))
+        } else {
+            let end = rest.find([';', '#']).unwrap_or(rest.len());
+            (&rest[..end], rest[end..].strip_prefix(';').unwrap_or_default())
+        };
+        if !statement.trim().is_empty() {
+            statements.push(statement.trim());
+        }
+        rest = after.trim_start();
     }
+    statements
 }
 
 /// Returns the text in the properties of a region.
@@ -277,6 +294,13 @@ mod tests {
         let outlines = on_sky(&text);
         assert_eq!(outlines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2]);
         assert_eq!(outlines[0], on_sky(&format!("{HEAD}vector(232,9,60\",90)"))[0]);
+        // `xpaget ds9 regions -strip yes` writes one line.
+        for line in
+            ["fk5;# vector(232,9,60\",90) vector=1", "fk5;line(1,2,3,4);# vector(232,9,60\",90) vector=1;box(1,2,3,4)"]
+        {
+            assert!(on_sky(line).contains(&outlines[0]), "{line}");
+            assert_eq!(on_sky(line).len(), line.matches('(').count(), "{line}");
+        }
         let message = parse_regions("a.reg", &format!("{HEAD}# vector(232,9)\n"), OUTLINES).unwrap_err().to_string();
         assert!(message.starts_with("a.reg: line 4: vector has 2 numbers"), "{message}");
     }

@@ -287,6 +287,11 @@ impl Propagator {
         (semi_major_axis_km * (1.0 - self.eccentricity), semi_major_axis_km * (1.0 + self.eccentricity))
     }
 
+    /// Returns the time from which the satellite is known to have decayed.
+    pub(crate) fn decayed(&self) -> Option<Epoch> {
+        self.decayed.as_deref().map(|(decayed, _)| *decayed)
+    }
+
     /// Returns the result of SGP4 in TEME, km and km/s, `minutes` after the element epoch, for verification against
     /// other implementations. An attached ephemeris is not used, and distances that are too large are not rejected.
     ///
@@ -296,8 +301,13 @@ impl Propagator {
         if let Some((decayed, after)) = self.decayed.as_deref().copied()
             && minutes > after
         {
-            let reason = format_args!(" has decayed before {decayed} (DECAY_DATE of its element set)");
-            return Err(no_position(self.norad_id, reason));
+            // Without a date the time is that of the elements.
+            return Err(if after == 0.0 {
+                no_position(self.norad_id, format_args!(" has decayed (DECAYED of its element set) at an unknown time"))
+            } else {
+                let reason = format_args!(" has decayed before {decayed} (DECAY_DATE of its element set)");
+                no_position(self.norad_id, reason)
+            });
         }
         let mut resonance = self.resonance.as_ref().map(|kept| kept.state_before(&self.constants, minutes));
         let prediction = self

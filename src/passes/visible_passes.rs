@@ -276,6 +276,9 @@ fn spans(request: &VisibleRequest, scene_start: Epoch) -> Vec<Span> {
     spans
 }
 
+/// Time before the decay of a satellite without passes, seconds: tracks need the positions around each time.
+const DECAY_MARGIN_S: f64 = 10.0;
+
 struct Search<'a> {
     sky: &'a Sky,
     scene: &'a Scene,
@@ -314,13 +317,21 @@ impl Search<'_> {
                 Treatment::Compute
             }
         };
+        // Passes before the decay of the satellite are kept.
+        let decay_s = propagator.decayed().map(|decayed| seconds_between(self.scene.start, decayed) - DECAY_MARGIN_S);
+        let decay_s = decay_s.filter(|decay_s| (span.from_s..span.until_s).contains(decay_s));
+        let until_s = decay_s.unwrap_or(span.until_s);
         let (intervals, in_shadow) =
-            horizon.intervals((span.from_s, span.until_s), self.request.min_altitude_rad, &treatment)?;
+            horizon.intervals((span.from_s, until_s), self.request.min_altitude_rad, &treatment)?;
         kept.extend((0..in_shadow).map(|_| Outcome::InShadow));
         for above in intervals {
             kept.extend(self.pass(element_index, &horizon, span, &above)?);
         }
-        Ok(())
+        match decay_s {
+            // The error of the decay.
+            Some(_) => propagator.teme_state_at_minutes(minutes + span.until_s / 60.0).map(|_| ()),
+            None => Ok(()),
+        }
     }
 
     /// Returns the motion of the site near a time.

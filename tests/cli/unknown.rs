@@ -179,8 +179,8 @@ fn the_unknown_days_of_a_longer_request_are_named() {
     assert!(stderr.contains(": some starts are unknown: elements 2"), "{stderr}");
 }
 
-/// Satellites in drag are early or late by minutes after 60 days: crossings have probabilities, but no start is known to
-/// be clear.
+/// Satellites in drag are early or late by minutes after 60 days: crossings have probabilities, but no start is known
+/// to be clear.
 #[test]
 fn starts_with_late_satellites_are_unknown() {
     let folder = tempfile::tempdir().unwrap();
@@ -283,4 +283,43 @@ fn nothing_is_printed_if_nothing_can_be_propagated() {
         assert_eq!((code, &*stdout), (2, ""), "{stderr}");
         assert!(stderr.contains("the only element set cannot be propagated to 2026-08-14"), "{stderr}");
     }
+}
+
+/// Times before and after the decay of the only satellite: rows before it, and a warning.
+#[test]
+fn rows_before_a_decay_are_printed() {
+    let folder = TempDir::new().unwrap();
+    let file = path(&folder, "decayed.json");
+    let text = r#"[{"NORAD_CAT_ID": 44714, "EPOCH": "2026-08-19T22:00:09", "MEAN_MOTION": 15.6112273, "ECCENTRICITY": 0.0005,
+        "INCLINATION": 53.1481, "RA_OF_ASC_NODE": 111.5096, "ARG_OF_PERICENTER": 74.5693, "MEAN_ANOMALY": 285.5893, "BSTAR": 0.00092924,
+        "DECAY_DATE": "2026-08-22T06:00:00"}]"#;
+    fs::write(&file, text).unwrap();
+    let times = |times: &'static [&str]| [&["ephemeris", "--norad", "44714", "--times"][..], times].concat();
+    let of = |words: &[&str]| run(&[words, &["--lat", "30", "--lon", "-110", "--elements", &file, "--format", "csv"]]);
+    let (before, after) = ("2026-08-22T05:00:00Z", "2026-08-22T07:00:00Z");
+    for both in [
+        times(&["2026-08-22T05:00:00Z", "2026-08-22T07:00:00Z"]),
+        times(&["2026-08-22T07:00:00Z", "2026-08-22T05:00:00Z"]),
+    ] {
+        let (code, stdout, stderr) = of(&both);
+        assert_eq!((code, stdout.contains(&before[..19]), stdout.contains(&after[..19])), (0, true, false), "{stderr}");
+        assert!(stderr.contains("cannot be propagated to a part of these times"), "{stderr}");
+        assert!(stderr.contains("has decayed before 2026-08-22T06:00:00"), "{stderr}");
+    }
+    let (code, _, stderr) = of(&times(&["2026-08-22T07:00:00Z"]));
+    assert!(code == 2 && stderr.contains("cannot be propagated to 2026-08-22T07:00:00"), "{stderr}");
+    // Passes of the night of the decay.
+    let night = [
+        "forecast",
+        "--start",
+        "2026-08-22T00:00:00Z",
+        "--end",
+        "2026-08-22T12:00:00Z",
+        "--max-mag",
+        "20",
+        "--min-p-brighter",
+        "0",
+    ];
+    let (code, _, stderr) = of(&night);
+    assert!(code == 0, "{stderr}");
 }

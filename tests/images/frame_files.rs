@@ -481,7 +481,10 @@ fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
     assert_eq!(flat.read_plane(0).expect("a plane").values()[1], -299.0);
     for (planes, words) in [
         (2, "HDU 0 is a cube of 2 planes (NAXIS3 = 2); allowed: an image of two axes: extract the plane of"),
-        (3, "HDU 0 is a colour image of 3 planes (NAXIS3 = 3); allowed: an image of two axes: extract one channel"),
+        (
+            3,
+            "HDU 0 is a cube or a colour image of 3 planes (NAXIS3 = 3); allowed: an image of two axes: extract one plane",
+        ),
     ] {
         let thick = with("thick.fits", &axes(planes), &[&good[2880..], &[0; 2880]].concat());
         let error = thick.read_plane(0).expect_err("a cube").to_string();
@@ -495,9 +498,9 @@ fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
         ),
         (&[6, 1, 5], "HDU 0 is an image of axes [6, 1, 5]; allowed"),
         (&[6, 5, 4, 3], "HDU 0 is a cube of axes [6, 5, 4, 3]; allowed: an image of two axes: extract the plane of"),
-        (&[6, 5, 1, 3], "HDU 0 is a colour image of 3 planes (NAXIS4 = 3); allowed"),
+        (&[6, 5, 1, 3], "HDU 0 is a cube or a colour image of 3 planes (NAXIS4 = 3); allowed"),
         (&[1, 6, 5, 9], "HDU 0 is a cube of 9 planes (NAXIS4 = 9); allowed"),
-        (&[3, 6, 5], "HDU 0 is a colour image of 3 planes (NAXIS1 = 3); allowed"),
+        (&[3, 6, 5], "HDU 0 is a cube or a colour image of 3 planes (NAXIS1 = 3); allowed"),
     ] {
         let lengths = shape.iter().enumerate().map(|(axis, length)| format!("NAXIS{}  = {length:>20}", axis + 1));
         let cards = ["SIMPLE  = T".to_owned(), "BITPIX  = 16".to_owned(), format!("NAXIS   = {}", shape.len())];

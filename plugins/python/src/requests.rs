@@ -86,7 +86,9 @@ impl Nights {
         self.passes.rows.extend(passes.rows.into_iter().map(|row| [vec![night.into()], row].concat()));
         self.nights.columns = night_row.columns;
         self.nights.rows.extend(night_row.rows);
-        let left_out = prepared.left_out_warning(&found.found.left_out, request.start).map_err(failure::setup)?;
+        let has_rows = !found.found.passes.is_empty();
+        let left_out = prepared.left_out_warning_of_times(&found.found.left_out, request.start, has_rows);
+        let left_out = left_out.map_err(failure::setup)?;
         let warnings = [
             left_out,
             prepared.unknown_part_warning(request.start, request.end),
@@ -116,7 +118,8 @@ pub fn ephemeris<'py>(
         let elements = prepared.sky.elements();
         let found = compute_ephemeris(&prepared.sky, &request).map_err(exception)?;
         let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
-        let left_out = prepared.left_out_warning(&found.left_out, first).map_err(failure::setup)?;
+        let left_out = prepared.left_out_warning_of_times(&found.left_out, first, !found.points.is_empty());
+        let left_out = left_out.map_err(failure::setup)?;
         let warnings = [left_out, request.selection.unknown_warning(elements)].into_iter().flatten();
         Ok((ephemeris_table(rows), warnings.map(|warning| failure::as_arguments(&warning)).collect()))
     })?;

@@ -119,11 +119,15 @@ const ZERO_POINTS: &[(&str, Option<CountBasis>)] = &[
     ("ZEROPT", None),
 ];
 
-/// AB magnitudes of units of flux density: 8.9 of one jansky.
-const JANSKY_MAGS: &[(&str, f64)] = &[("nJy", 31.4), ("uJy", 23.9), ("mJy", 16.4), ("Jy", 8.9)];
-
-/// Magnitude of one nanomaggy (SDSS, Legacy Surveys).
-const NANOMAGGY_MAG: f64 = 22.5;
+/// AB magnitudes of the units of flux density: those of BUNIT, whose letters differ from `MJy`, and the magnitude of
+/// one (SDSS and Legacy Surveys; -2.5 log10 of 3631 Jy).
+const FLUX_UNITS: [(&[&str], f64); 5] = [
+    (&["nanomaggy", "nanomaggies", "nMgy", "nmgy"], 22.5),
+    (&["nJy", "nanojansky"], 31.4),
+    (&["uJy", "microJy", "microjansky"], 23.9),
+    (&["mJy", "millijansky"], 16.4),
+    (&["Jy", "jansky"], 8.9),
+];
 
 impl Calibration {
     /// Reads the calibration from the headers of a frame, given in the order of precedence: first the header of the
@@ -279,14 +283,19 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         "adu/photo",
         "count/photo",
         "counts/photo",
-        "electronstoadu",
-        "electrontoadu",
-        "e-toadu",
-        "electronstodn",
-        "e-todn",
+        "fromelectron",
+        "frome-",
     ]
     .iter()
     .any(|words| joined.contains(words));
+    // ESO's "Conversion from electrons to ADU" is a number of counts per electron; "e- to ADU conversion" may be
+    // either.
+    let is_either = ["adu", "dn", "count"].iter().any(|count| {
+        ["electronsto", "electronto", "e-to"].iter().any(|from| joined.contains(&format!("{from}{count}")))
+    });
+    if is_either && !is_inverse {
+        return Err(format!("{keyword} is {value} ({comment}): electrons per count or counts per electron"));
+    }
     let has_unit = is_inverse || has_electron_unit(&comment);
     // "0.1dB", "%", "[uV/e-]"
     let in_brackets = comment.trim_start().strip_prefix('[').is_some_and(|unit| !unit.starts_with('e'));
@@ -314,7 +323,9 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         texts.into_iter().any(|(_, text)| text.to_ascii_lowercase().contains("sharpcap"))
     };
     if keyword == "EGAIN" && is_of_sharpcap() {
-        return Err(format!("{keyword} is {value}, in SharpCap that of the bits of the detector"));
+        return Err(format!(
+            "{keyword} is {value}: of the bits of the sensor, not of the pixels (SharpCap without EGAINSAV)"
+        ));
     }
     if words.has_pair("bit", "depth") && keyword != "EGAINSAV" {
         return Err(format!("{keyword} is {value} ({}): perhaps not of the pixels of this file", words.text()));
@@ -361,13 +372,13 @@ fn doubt(keyword: &str, value: f64, comment: &str) -> String {
 fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
     let of_frame =
         |mag: f64, keyword: String| ZeroPoint { mag, basis: Some(CountBasis::Frame), keyword, is_basis_assumed: false };
-    let unit =
-        keywords.text(&["BUNIT"]).map(|(_, unit)| unit.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
-    if unit == "nanomaggy" || unit == "nanomaggies" || unit == "nmgy" {
-        return Some(of_frame(NANOMAGGY_MAG, "BUNIT".to_owned()));
-    }
-    let stated_unit = keywords.text(&["BUNIT"]).map(|(_, unit)| unit).unwrap_or_default();
-    if let Some((_, mag)) = JANSKY_MAGS.iter().find(|(unit, _)| *unit == stated_unit.trim()) {
+    let unit = keywords.text(&["BUNIT"]).map(|(_, unit)| unit.replace(' ', "")).unwrap_or_default();
+    // "nJy/pixel"
+    let flux =
+        unit.split_once('/').filter(|(_, area)| ["pix", "pixel"].contains(area)).map_or(&*unit, |(flux, _)| flux);
+    // Names are read in any case; symbols are not, because M is a million.
+    let is_unit = |name: &&str| *name == flux || (name.len() > 4 && name.eq_ignore_ascii_case(flux));
+    if let Some((_, mag)) = FLUX_UNITS.iter().find(|(names, _)| names.iter().any(is_unit)) {
         return Some(of_frame(*mag, "BUNIT".to_owned()));
     }
     // The LSST pipelines write the counts of a source of magnitude 0 instead of a zero point.
@@ -381,6 +392,12 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         let is_per_second = ["/s", "per sec", "1 sec", "s-1", "s^-1"].iter().any(|words| comment.contains(words));
         // As in synthetic frames
         let is_of_frame = ["in the frame", "of the frame"].iter().any(|words| comment.contains(words));
+        // "MAG=-2.5*log(data)+PHOTZP" (ESO phase 3): the pixels, which may also be divided by the time.
+        let logarithm = ["log(", "log10("].iter().find_map(|log| Some(comment.split_once(log)?.1.split_once(')')?.0));
+        let pixels = logarithm.filter(|inside| !inside.contains("flux"));
+        let is_per_second =
+            is_per_second || pixels.is_some_and(|pixels| pixels.contains('/') || pixels.contains("rate"));
+        let is_of_frame = is_of_frame || pixels.is_some();
         let of_frame = is_of_frame.then_some(CountBasis::Frame);
         let stated = if is_per_second { Some(CountBasis::Second) } else { of_frame };
         // If the pixels are rates, their sum is already the count of one second and must not be divided by the exposure

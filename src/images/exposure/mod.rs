@@ -21,4 +21,4 @@ mod start_doubts;
 
 pub use calibration::{Calibration, CountBasis, PixelUnit};
 pub use exposure_time::ExposureTime;
-pub use observatory::{HeaderSite, SITE_KEYWORDS, UNNAMED_SITE, site_from_headers};
+pub use observatory::{HeaderSite, SITE_KEYWORDS, UNNAMED_SITE, site_from_headers, unused_coordinates};

@@ -1,7 +1,7 @@
 //! Site of a telescope, from the header of its frame.
 
 use crate::error::Error;
-use crate::geometry::{SAME_SITE_KM, Site};
+use crate::geometry::Site;
 
 use super::super::header::Header;
 use super::comment::Comment;
@@ -22,6 +22,8 @@ const NAMES: [&str; 7] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SI
 /// Keyword of codes such as `coj` (Las Cumbres Observatory). Numbers are no codes of the Minor Planet
 /// Center in this keyword, because they have another meaning in other headers.
 const SITE_CODE: &str = "SITEID";
+/// Telescopes in orbits about the Earth; those about the Sun have no element sets.
+const IN_ORBIT: [&str; 5] = ["HST", "NEOSSat", "WISE", "CHEOPS", "SWIFT"];
 /// Keywords of codes of the Minor Planet Center.
 const MPC_CODES: &[&str] = &["MPC-CODE", "OBS-CODE", "IAU-CODE"];
 /// Codes of the sites of the Las Cumbres Observatory.
@@ -77,8 +79,19 @@ pub struct HeaderSite {
     pub remark: Option<String>,
 }
 
-/// Largest distance of two sites of a header that is not stated, km: satellites 500 km away move by 0.1 deg.
-const STATED_KM: f64 = 1.0;
+/// Largest distance of two sites of a header that is not stated, km: satellites 500 km away move by 40 arcsec.
+const STATED_KM: f64 = 0.1;
+/// Largest distance of two sites of a header, km, such as a mountain and a telescope on it: satellites 500 km away move
+/// by 0.3 deg.
+const LARGEST_KM: f64 = 3.0;
+/// Names in headers of the telescopes at several sites, in lower case and without blanks, with the sites: a mountain,
+/// which is also a name of one of its telescopes, and a survey.
+const SHARED_NAMES: [(&str, &[&str]); 4] = [
+    ("cerropachon", &["Rubin Observatory", "Gemini South", "SOAR"]),
+    ("pachon", &["Rubin Observatory", "Gemini South", "SOAR"]),
+    ("catalinaskysurvey", &["Catalina Sky Survey", "Mount Lemmon Survey"]),
+    ("css", &["Catalina Sky Survey", "Mount Lemmon Survey"]),
+];
 
 /// Name of a site whose header has only its position.
 pub const UNNAMED_SITE: &str = "site of the header";
@@ -91,12 +104,13 @@ pub const UNNAMED_SITE: &str = "site of the header";
 /// site, because no standard defines their sign and unit, and both signs are in use; they must not contradict it.
 ///
 /// # Errors
-/// A position that is not on the Earth; names and positions more than 15 km apart; SITELAT, SITELONG, ... of another
-/// place; or a name that fits several
-/// sites, such as ATLAS, without a keyword that decides between them.
+/// A position that is not on the Earth; names and positions more than 3 km apart; SITELAT, SITELONG, ... of another
+/// place; or a name that fits several sites, such as ATLAS, without a keyword that decides between them. Names of
+/// several sites and parts of names do not contradict a position: they are also those of mounts.
 pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Error> {
     let keywords = Keywords(headers);
-    let name = keywords.text(&["TELESCOP", "OBSERVAT"]).map_or(UNNAMED_SITE.to_owned(), |(_, name)| name);
+    let mut names = ["TELESCOP", "OBSERVAT"].iter().filter_map(|name| keywords.text(&[name]));
+    let name = names.find(|(_, text)| !is_no_site(text)).map_or(UNNAMED_SITE.to_owned(), |(_, name)| name);
     // Sites with the keywords that give them, in order of precedence.
     let mut stated: Vec<(String, Site)> = Vec::new();
     for names in [CARTESIAN, GEODETIC] {
@@ -126,12 +140,12 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
             Err(_) => unknown = Some((name, code)),
         }
     }
+    let is_position = !stated.is_empty();
     // Names of several sites, and of sites that are part of an unknown name.
     let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
     let mut hints: Vec<(String, Vec<&Site>)> = Vec::new();
     for keyword in NAMES {
-        // WISE in capitals is the telescope in space, and Wise a site on the Earth.
-        let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| text != "WISE") else { continue };
+        let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| !is_no_site(text)) else { continue };
         if keyword == SITE_CODE && !LAS_CUMBRES.iter().any(|code| code.eq_ignore_ascii_case(&text)) {
             continue;
         }
@@ -140,7 +154,7 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
         }
         let shown = format!("{keyword} {text:?}");
         let candidates =
-            if keyword == SITE_CODE { Site::with_key(&text).into_iter().collect() } else { Site::candidates(&text) };
+            if keyword == SITE_CODE { Site::with_key(&text).into_iter().collect() } else { candidates(&text) };
         match candidates.as_slice() {
             // "CTIO 1.0 meter telescope": the first word must not contradict another name.
             [] => {
@@ -153,6 +167,14 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
                 [site] => stated.push((shown, (*site).clone())),
                 _ => networks.push((shown, sites.to_vec())),
             },
+        }
+    }
+    // "Gemini" and "Cerro Pachon" have one site in common.
+    if let ([], [(from, sites), others @ ..]) = (&stated[..], &networks[..]) {
+        let is_near = |site: &Site, sites: &[&Site]| sites.iter().any(|other| site.distance_km(other) <= STATED_KM);
+        let common = sites.iter().filter(|site| others.iter().all(|(_, sites)| is_near(site, sites)));
+        if let [site] = common.collect::<Vec<_>>()[..] {
+            stated.push((from.clone(), (*site).clone()));
         }
     }
     let Some((first_from, first)) = stated.first() else {
@@ -170,24 +192,21 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
             }
         };
     };
-    let others: Vec<(&String, f64)> = stated[1..].iter().map(|(from, site)| (from, site.distance_km(first))).collect();
+    let others = stated[1..].iter().map(|(from, site)| (from, site.distance_km(first), true));
     let near_km = |sites: &[&Site]| sites.iter().map(|site| site.distance_km(first)).fold(f64::INFINITY, f64::min);
-    let of_names = networks.iter().chain(&hints).map(|(from, sites)| (from, near_km(sites)));
     // Mounts have names of observatories, too, such as Gemini and Atlas: they do not contradict a position.
-    let is_position = first_from.starts_with(OBSGEO);
-    let of_names: Vec<(&String, f64)> = of_names.collect();
-    let other = of_names.iter().find(|(_, distance_km)| is_position && *distance_km > SAME_SITE_KM);
-    let other = other.or(others.iter().find(|(_, distance_km)| *distance_km > STATED_KM));
-    let other = other.map(|(from, distance_km)| {
+    let of_names = networks.iter().chain(&hints).map(|(from, sites)| (from, near_km(sites), !is_position));
+    let others: Vec<(&String, f64, bool)> = others.chain(of_names).collect();
+    let other = others.iter().find(|(_, distance_km, _)| *distance_km > STATED_KM).map(|(from, distance_km, _)| {
+        let digits = usize::from(*distance_km < 10.0);
         format!(
-            "the site is that of {first_from}, {distance_km:.0} km from that of {from}: for another one specify --site"
+            "the site is that of {first_from}, {distance_km:.digits$} km from that of {from}; for another one specify --site"
         )
     });
-    let mut contradictions = others.iter().chain(of_names.iter().filter(|_| !is_position));
-    match contradictions.find(|(_, distance_km)| *distance_km > SAME_SITE_KM) {
-        Some((from, distance_km)) => {
+    match others.iter().find(|(_, distance_km, is_contradiction)| *is_contradiction && *distance_km > LARGEST_KM) {
+        Some((from, distance_km, _)) => {
             let given = format!("{distance_km:.0} km from that of {from}");
-            let allowed = format!("one site within {SAME_SITE_KM} km, or for example --site, --mpc or --lat and --lon");
+            let allowed = format!("one site within {LARGEST_KM} km, or for example --site, --mpc or --lat and --lon");
             Err(Error::invalid(format!("site of {first_from}"), given, allowed))
         }
         None => {
@@ -199,9 +218,56 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
             let unknown = unknown.map(|(name, code)| {
                 format!("{name} {code:?} is no known code of the Minor Planet Center: it is not used")
             });
-            Ok(Some(HeaderSite { site: first.clone(), remark: remark.or(other).or(unknown) }))
+            let mut site = first.clone();
+            // The name is not that of this position.
+            if first_from.starts_with(OBSGEO) && other.is_some() {
+                site.name = UNNAMED_SITE.to_owned();
+            }
+            let remarks: Vec<String> = [remark, other, unknown].into_iter().flatten().collect();
+            Ok(Some(HeaderSite { site, remark: (!remarks.is_empty()).then(|| remarks.join("; ")) }))
         }
     }
+}
+
+/// Returns true for a text in place of the name of a site: "NOT SET" and "Not connected" of mounts (NOT alone is the
+/// Nordic Optical Telescope), WISE in capitals, the telescope in space, and Vista in small letters, a mount.
+fn is_no_site(text: &str) -> bool {
+    let lower = text.to_ascii_lowercase();
+    let is_denied = lower.strip_prefix("not ").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()));
+    is_denied || text == "WISE" || text == "Vista"
+}
+
+/// Returns the sites that a name in a header can mean.
+fn candidates(name: &str) -> Vec<&'static Site> {
+    let key: String = name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+    match SHARED_NAMES.iter().find(|(shared, _)| *shared == key) {
+        Some((_, names)) => names.iter().filter_map(|name| Site::with_key(name)).collect(),
+        None => Site::candidates(name),
+    }
+}
+
+/// Returns a sentence about what gives no site: a telescope in orbit, or the latitude and the longitude in keywords that
+/// no standard defines, which are not used without the name of a site; `None` if the headers have neither.
+pub fn unused_coordinates(headers: &[&Header]) -> Option<String> {
+    let keywords = Keywords(headers);
+    let telescope = keywords.text(&["TELESCOP"]).map(|(_, name)| name).unwrap_or_default();
+    if IN_ORBIT.iter().any(|name| telescope.eq_ignore_ascii_case(name)) {
+        return Some(format!("TELESCOP {telescope:?} is in orbit: specify --observer-elements with its elements"));
+    }
+    let found = |names: &[&str]| {
+        names.iter().find_map(|name| {
+            let (header, keyword) = keywords.find(name)?;
+            let value = header.number(&keyword).or_else(|| degrees(&header.text(&keyword)?))?;
+            (value != 0.0).then_some((keyword, (1e5 * value).round() / 1e5))
+        })
+    };
+    let ((latitude, latitude_deg), (longitude, longitude_deg)) = (found(LATITUDES)?, found(LONGITUDES)?);
+    Some(format!(
+        "{latitude} {latitude_deg} and {longitude} {longitude_deg} are not used, because no standard defines whether the \
+         longitude is counted to the east: specify --lat {latitude_deg} --lon {longitude_deg}, or --lon {} if it is \
+         counted to the west, and --height",
+        -longitude_deg
+    ))
 }
 
 /// Returns a number of [`CARTESIAN`] or [`GEODETIC`], in metres or degrees, with the unit that its comment states. It
@@ -435,12 +501,14 @@ mod tests {
             "TELESCOP= 'Simonyi'\nOBSGEO-X= 1818938.94\nOBSGEO-Y= -5208470.95\nOBSGEO-Z= -3195172.08\nOBSGEO-L= 0\n";
         let geodetic = "OBSGEO_B= -30.244639\nOBSGEO_L= 289.250583\nOBSGEO_H= 2663.0\nOBSGEO-X= 1\n";
         for text in [cartesian, geodetic] {
-            let site = site(text).unwrap().unwrap();
+            let site = found(&[&Header::from_text(text)]).unwrap().unwrap();
             assert!((site.latitude_rad.to_degrees() + 30.244_639).abs() < 1e-7, "{site:?}");
             assert!((site.longitude_rad.to_degrees() + 70.749_417).abs() < 1e-6, "{site:?}");
             assert!((site.height_m - 2663.0).abs() < 0.01, "{site:?}");
         }
-        assert_eq!(site(cartesian).unwrap().unwrap().name, "Simonyi");
+        assert_eq!(found(&[&Header::from_text(cartesian)]).unwrap().unwrap().name, "Simonyi");
+        // Cerro Tololo is 10 km from it.
+        assert!(site(cartesian).unwrap_err().to_string().contains("10 km from that of OBSERVAT \"CTIO\""));
         let error = site("OBSGEO-X= 0.0\nOBSGEO-Y= 0.0\nOBSGEO-Z= 0.0\n").unwrap_err().to_string();
         assert!(error.contains("OBSGEO-X, OBSGEO-Y, OBSGEO-Z") && error.contains("0, 0, 0"), "{error}");
         assert!(site("OBSGEO-B= 91\nOBSGEO-L= 3\nOBSGEO-H= 0\n").is_err());
@@ -523,6 +591,84 @@ mod tests {
             assert_eq!(of(&format!("INSTRUME= '{instrument}'\n")).unwrap(), None, "{instrument}");
         }
         assert_eq!(of("INSTRUME= 'DECam'\n").unwrap().unwrap().name, "CTIO Blanco");
+    }
+
+    /// Texts of mounts are no sites, and parts of names and names of several sites do not contradict a position.
+    #[test]
+    fn names_of_mounts_are_no_sites() {
+        let position = "OBSGEO-B= 35.0\nOBSGEO-L= 138.0\nOBSGEO-H= 700.0\n";
+        for (text, name, is_stated) in [
+            ("NOT SET", UNNAMED_SITE, false),
+            ("Not connected", UNNAMED_SITE, false),
+            ("Vista", UNNAMED_SITE, false),
+            ("Atlas EQ-G", UNNAMED_SITE, true),
+            ("Gemini", UNNAMED_SITE, true),
+            ("Gemini Telescope .NET", "Gemini Telescope .NET", false),
+            ("My telescope", "My telescope", false),
+        ] {
+            let header = Header::from_text(&format!("{position}TELESCOP= '{text}'"));
+            let found = site_from_headers(&[&header]).unwrap().unwrap();
+            let stated = found.remark.is_some_and(|remark| remark.contains("km from that of TELESCOP"));
+            assert_eq!((&*found.site.name, stated), (name, is_stated), "{text}");
+            assert!((found.site.latitude_rad.to_degrees() - 35.0).abs() < 1e-9);
+        }
+        assert_eq!(found(&[&Header::from_text("TELESCOP= 'NOT SET'\n")]).unwrap(), None);
+        assert!(
+            remark(&format!("{position}TELESCOP= 'NOT'")).unwrap_err().contains("km from that of TELESCOP \"NOT\"")
+        );
+        let code = "MPC-CODE= '703'\nTELESCOP= 'Atlas EQ-G'\n";
+        assert!(remark(code).unwrap().contains("km from that of TELESCOP"));
+    }
+
+    /// Telescopes of one mountain are stated, and sites more than 3 km apart are errors.
+    #[test]
+    fn sites_that_differ_are_stated_or_errors() {
+        let kitt_peak = remark("TELESCOP= 'Bok'\nOBSERVAT= 'KPNO'\n").unwrap();
+        assert!(
+            kitt_peak.starts_with("the site is that of TELESCOP \"Bok\", 0.7 km from that of OBSERVAT"),
+            "{kitt_peak}"
+        );
+        assert_eq!(remark("INSTRUME= 'DECam'\nOBSERVAT= 'CTIO'\n").unwrap(), "");
+        for text in [
+            "OBSERVAT= 'Mount Lemmon'\nMPC-CODE= '703'\n",
+            "OBSERVAT= 'Rubin Observatory'\nOBSGEO-B= -30.169\nOBSGEO-L= -70.8063\nOBSGEO-H= 2215\n",
+        ] {
+            assert!(remark(text).unwrap_err().contains("allowed: one site within 3 km"), "{text}");
+        }
+        // Gemini South, 1.2 km from the Rubin Observatory.
+        let gemini = "OBSERVAT= 'Rubin Observatory'\nOBSGEO-B= -30.240639\nOBSGEO-L= -70.73655\nOBSGEO-H= 2715.4\n";
+        let header = Header::from_text(gemini);
+        let found = site_from_headers(&[&header]).unwrap().unwrap();
+        assert_eq!(found.site.name, UNNAMED_SITE);
+        assert!(found.remark.unwrap().contains("1.3 km from that of OBSERVAT"));
+        let of = |text: &str| site_from_headers(&[&Header::from_text(text)]);
+        for (text, name) in [
+            ("TELESCOP= 'Gemini'\nOBSERVAT= 'Cerro Pachon'\n", "Gemini South"),
+            ("TELESCOP= 'SOAR'\nOBSERVAT= 'Cerro Pachon'\n", "SOAR"),
+            ("TELESCOP= 'ATLAS'\nOBSERVAT= 'Mauna Loa'\n", "ATLAS Mauna Loa"),
+        ] {
+            let found = of(text).unwrap().unwrap();
+            assert_eq!((&*found.site.name, found.remark), (name, None), "{text}");
+        }
+        for name in ["Cerro Pachon", "Catalina Sky Survey"] {
+            assert!(
+                of(&format!("OBSERVAT= '{name}'\n")).unwrap_err().to_string().contains("one of several sites"),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn unused_coordinates_are_named_with_both_readings() {
+        let of = |text: &str| unused_coordinates(&[&Header::from_text(text)]);
+        let sentence = of("SITELAT = 30.0\nSITELONG= '-110:30:00'\n").unwrap();
+        assert!(sentence.starts_with("SITELAT 30 and SITELONG -110.5 are not used"), "{sentence}");
+        assert!(sentence.contains("--lat 30 --lon -110.5, or --lon 110.5 if"), "{sentence}");
+        assert!(of("LAT-OBS = -30.0\nLONG-OBS= 70.0\n").unwrap().contains("--lon 70, or --lon -70 if"));
+        assert_eq!(of("SITELAT = 30.0\n"), None);
+        assert!(of("TELESCOP= 'HST'\n").unwrap().contains("--observer-elements"));
+        assert!(of("TELESCOP= 'NEOSSat'\nSITELAT = 30.0\nSITELONG= 10.0\n").unwrap().contains("is in orbit"));
+        assert_eq!(of("SITELAT = 0.0\nSITELONG= 0.0\n"), None);
     }
 
     /// Positions as text, codes of the Minor Planet Center, and coordinates that decide between the sites of a network.

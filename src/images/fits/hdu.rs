@@ -67,7 +67,10 @@ pub(super) fn cube_words(shape: &[usize]) -> Option<(String, &'static str)> {
             let axis = if shape[first] < 5 { first } else { third };
             let count = shape[axis];
             let (what, remedy) = if count == 3 || count == 4 {
-                ("a colour image", "extract one channel, for example the green one, as an image of two axes")
+                (
+                    "a cube or a colour image",
+                    "extract one plane, for example the green one of a colour image, as an image of two axes",
+                )
             } else {
                 ("a cube", plane)
             };

@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, Gcrs};
 use crate::images::{
     Calibration, CountBasis, ExposureTime, FrameFile, FrameImages, Header, HeaderSite, LightArea, PixelUnit, Wcs,
-    site_from_headers,
+    site_from_headers, unused_coordinates,
 };
 use crate::passes::Exposure;
 
@@ -136,6 +136,12 @@ impl TargetFrame {
         let first = self.chips.first().map_or(0, |target| target.chip.hdu);
         let headers = [self.file.header(first)?, self.file.header(0)?];
         site_from_headers(&headers).map_err(|error| error.at(self.file.path().display()))
+    }
+
+    /// Returns a sentence about coordinates in the headers that do not give the site.
+    pub fn unused_coordinates(&self) -> Option<String> {
+        let first = self.chips.first().map_or(0, |target| target.chip.hdu);
+        unused_coordinates(&[self.file.header(first).ok()?, self.file.header(0).ok()?])
     }
 
     /// Returns remarks about what is read of the file: times that can be read in two ways, and the roles of its images.

@@ -127,6 +127,11 @@ impl<'a> Injection<'a> {
         Ok(sites)
     }
 
+    /// Returns a sentence about coordinates in the header of the first frame that do not give its site.
+    pub fn unused_coordinates(&self) -> Option<String> {
+        self.frames.known().first()?.unused_coordinates()
+    }
+
     /// Injects streaks of satellites, or random streaks, into all frames, on all threads of the current pool. It stops
     /// after [`Watch::stop`].
     ///

@@ -13,12 +13,25 @@ fn verif_zero_points() {
         ("PHOTZP  = 27.0\nBUNIT   = 'electron/s'", 27.0, Some(CountBasis::Frame), "PHOTZP"),
         ("FLUXMAG0= 63095734448.0194", 27.0, Some(CountBasis::Frame), "FLUXMAG0"),
         ("BUNIT   = 'nanomaggy'", 22.5, Some(CountBasis::Frame), "BUNIT"),
+        // -2.5 log10 of the unit over 3631 Jy.
+        ("BUNIT   = 'nJy'\nZP      = 27.0", 31.4, Some(CountBasis::Frame), "BUNIT"),
+        ("BUNIT   = 'uJy'", 23.9, Some(CountBasis::Frame), "BUNIT"),
+        ("BUNIT   = 'mJy/pixel'", 16.4, Some(CountBasis::Frame), "BUNIT"),
+        ("BUNIT   = 'Jy'", 8.9, Some(CountBasis::Frame), "BUNIT"),
+        ("BUNIT   = 'nanoJansky'", 31.4, Some(CountBasis::Frame), "BUNIT"),
+        ("PHOTZP  = 29.4 / Photometric zeropoint MAG=-2.5*log(data)+PHOTZP", 29.4, Some(CountBasis::Frame), "PHOTZP"),
+        ("MAGZPT  = 24.0 / m = -2.5 log10(counts/exptime) + MAGZPT", 24.0, Some(CountBasis::Second), "MAGZPT"),
+        ("PHOTZP  = 24.0 / -2.5*log(flux)+PHOTZP", 24.0, None, "PHOTZP"),
     ] {
         let found = zero_point(cards).expect(cards);
         assert!((found.mag - mag).abs() < 1e-9, "{cards}: {}", found.mag);
         assert_eq!((found.basis, found.keyword.as_str()), (basis, keyword), "{cards}");
     }
     assert_eq!(zero_point("MAGZERO = 0.0\nZP      = 'none'"), None);
+    // A surface brightness, megajanskys, and a unit whose first letter may be milli or mega.
+    for unit in ["MJy/sr", "mJy/sr", "Jy/beam", "MJy", "MJY", "mjy"] {
+        assert_eq!(zero_point(&format!("BUNIT   = '{unit}'")), None, "{unit}");
+    }
 }
 
 #[test]
@@ -84,6 +97,11 @@ fn verif_settings_of_cameras_are_no_gains() {
         "GAINA   = 360\nGAINB   = 360",
         "EGAIN   = 1.0 / gain setting",
         "GAIN    = 2 / x2",
+        "GAIN    = 5\nINSTRUME= 'SV605CC'",
+        "GAIN    = 10\nINSTRUME= 'Vespera Pro'",
+        "GAIN    = 10\nINSTRUME= 'Seestar S50'",
+        "GAIN    = 3\nINSTRUME= 'MallinCam DS26c'",
+        "GAIN    = 12\nINSTRUME= 'FLIR Blackfly S'",
     ] {
         let calibration = of(cards);
         assert_eq!(calibration.gain_e_adu, None, "{cards}");
@@ -92,6 +110,16 @@ fn verif_settings_of_cameras_are_no_gains() {
     let other = of("EGAIN   = 0.1226 / Electrons per ADU at true ADC bit depth");
     assert_eq!(other.gain_e_adu, None);
     assert!(other.doubtful_gain.unwrap().contains("not of the pixels of this file"));
+    for (cards, words) in [
+        ("SWCREATE= 'SharpCap v4.1.10745.0, 64 bit'\nEGAIN   = 3.6 / Electrons per ADU", "SharpCap without EGAINSAV"),
+        ("CREATOR = 'SharpCap v4.1'\nGAIN    = 100\nEGAIN   = 0.9", "SharpCap without EGAINSAV"),
+        ("GAIN    = 0.54 / e- to ADU conversion", "electrons per count or counts per electron"),
+        ("GAIN    = 2.5 / electrons to counts", "electrons per count or counts per electron"),
+    ] {
+        let calibration = of(cards);
+        assert_eq!(calibration.gain_e_adu, None, "{cards}");
+        assert!(calibration.doubtful_gain.expect(cards).contains(words), "{cards}");
+    }
     for unit in ["[e-/ADU]", "[electrons/count]", "[e/DN]"] {
         let two = of(&format!("GAIN    = 1.0 / {unit}\nEGAIN   = 2.5"));
         let words = format!("GAIN is 1 ({unit})");
@@ -125,7 +153,6 @@ fn verif_gains_of_cameras_and_inverse_gains() {
     let gain = |cards: &str| Calibration::from_headers(&[&Header::from_text(cards)]);
     for (cards, e_adu) in [
         ("GAIN    = 0.5 / Conversion from electrons to ADU", 2.0),
-        ("GAIN    = 0.5 / e- to ADU conversion", 2.0),
         ("GAIN    = 0.5 / Conversion from ADUs to electrons", 0.5),
         ("GAIN    = 1.5 / [e-] gain", 1.5),
         ("GAIN    = 70.0 / [e-/ADU]", 70.0),

@@ -64,7 +64,8 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     notices.warn(&prepared.warnings_of(first, last, &|elements| selected.contains(elements)));
     notices.warn(&request.selection.unknown_warning(prepared.sky.elements()));
     let found = ephemeris(&prepared.sky, &request)?;
-    notices.warn_left_out(&prepared, &found.left_out, first)?;
+    let warning = prepared.left_out_warning_of_times(&found.left_out, first, !found.points.is_empty())?;
+    notices.list_left_out(warning, &found.left_out);
     state(&mut prepared, &config, &typed.ephemeris, &request);
     let elements = prepared.sky.elements();
     let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });

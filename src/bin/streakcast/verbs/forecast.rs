@@ -157,7 +157,9 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
             counted(found.unknown(), "selected satellite", "selected satellites")
         ));
     }
-    notices.warn_left_out(&prepared, &found.found.left_out, from)?;
+    let has_rows = !found.found.passes.is_empty();
+    let warning = prepared.left_out_warning_of_times(&found.found.left_out, from, has_rows)?;
+    notices.list_left_out(warning, &found.found.left_out);
     if of_all || found.unknown() > 0 {
         notices.warn(&prepared.unknown_part_warning(from, to));
     }
