@@ -15,11 +15,14 @@ use crate::watch::Watch;
 /// Relative difference between the given seeing and that of the stars above which there is a warning.
 const SEEING_TOLERANCE: f64 = 0.1;
 
+/// Function that returns the optics of a frame, and whether their seeing is given.
+type OpticsOf<'a> = &'a dyn Fn(&TargetFrame) -> Result<(Optics, bool), Error>;
+
 /// Options of all frames of a run.
 pub(super) struct FrameRun<'a> {
     pub config: &'a Config,
     /// Returns the optics of a frame, and whether their seeing is given.
-    pub optics: &'a dyn Fn(&TargetFrame) -> Result<(Optics, bool), Error>,
+    pub optics: OpticsOf<'a>,
     /// True if streaks are given instead of those of satellites.
     pub has_streaks: bool,
     pub fit_width: bool,
