@@ -10,7 +10,7 @@ use serde_json::json;
 use super::document::Config;
 use super::error::request;
 use super::injection_plan::SkyOf;
-use super::measure::{MeasureConfig, check_years, photometry, unknown_observer_warning, with_site};
+use super::measure::{MeasureConfig, check_years, observer_warning, photometry, with_site};
 use super::prepared::PreparedSky;
 use super::required::FRAMES;
 use super::values::parse_angle_deg;
@@ -215,7 +215,7 @@ impl MaskConfig {
             warnings.extend(ignored);
             remarks.extend(frame.remarks());
             warnings.extend(mask_warnings(&shown, &frame, &mask, &options));
-            warnings.extend(unknown_observer_warning(&prepared.sky, &frame));
+            warnings.extend(observer_warning(&prepared.sky, &frame));
             warnings.extend(
                 prepared.sky.predictability(frame.opened, None).reason().map(|reason| {
                     format!("{shown}: {reason}: the mask is incomplete; specify element sets of that time")

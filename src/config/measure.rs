@@ -23,7 +23,7 @@ use crate::measure::{
 use crate::message::first_of;
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
-use crate::passes::{Sky, no_ephemeris};
+use crate::passes::{AltAz, Sky, no_ephemeris};
 use crate::photometry::{Band, PhotometryOptions};
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 use crate::watch::Watch;
@@ -32,6 +32,11 @@ use crate::watch::Watch;
 const SEEING_PIX: f64 = 4.0;
 /// Largest distance of the sites in the headers of the frames of one run, km.
 const ONE_SITE_KM: f64 = 1.0;
+
+/// Altitude of the middle of a frame, with refraction, below which its time or its site is wrong, and that of the Sun
+/// above which it is, degrees.
+const HORIZON_DEG: f64 = -0.6;
+const BRIGHT_DEG: f64 = -6.0;
 
 /// File of a frame that cannot be used, with the reason.
 type FrameError = (PathBuf, Error);
@@ -323,10 +328,22 @@ impl MeasureConfig {
     }
 }
 
-/// Returns a warning if the position of a telescope in orbit is unknown for the satellites in a frame.
-pub(super) fn unknown_observer_warning(sky: &Sky, frame: &TargetFrame) -> Option<String> {
-    let (_, radius_rad) = frame.circle()?;
-    sky.unknown_observer_warning(&frame.file.path().display().to_string(), frame.opened, radius_rad)
+/// Returns a warning if the position of a telescope in orbit is unknown for the satellites in a frame, or if the frame is
+/// below the horizon of the site or was taken by day.
+pub(super) fn observer_warning(sky: &Sky, frame: &TargetFrame) -> Option<String> {
+    let (centre, radius_rad) = frame.circle()?;
+    let shown = frame.file.path().display();
+    let unknown = sky.unknown_observer_warning(&shown.to_string(), frame.opened, radius_rad);
+    let middle = seconds_after(frame.opened, 0.5 * frame.exposure_s);
+    let altitude_deg = |found: Result<AltAz, Error>| found.ok().map(|altaz| altaz.altitude_rad.to_degrees());
+    let low = || altitude_deg(sky.pointing_altaz(&centre, middle)).filter(|deg| *deg < HORIZON_DEG);
+    let bright = || altitude_deg(sky.sun_altaz(middle)).filter(|deg| *deg > BRIGHT_DEG);
+    let wrong = |what: &str, deg: f64| {
+        format!(
+            "{shown}: {what} is at an altitude of {deg:.1} deg: the start or the site is wrong, perhaps a local time"
+        )
+    };
+    unknown.or_else(|| Some(wrong("the middle of the frame", low()?))).or_else(|| Some(wrong("the Sun", bright()?)))
 }
 
 /// Adds the rows of frames that cannot be used to the invalid ones, and returns those of the given frames.

@@ -1,7 +1,7 @@
 //! Measurement of the streaks of one frame of a run.
 
 use super::document::Config;
-use super::measure::{MeasureConfig, photometry, unknown_observer_warning};
+use super::measure::{MeasureConfig, observer_warning, photometry};
 use super::measured_tables::identify_listed;
 use crate::error::Error;
 use crate::measure::{
@@ -55,7 +55,7 @@ impl FrameRun<'_> {
         let (mut rows, mut invalid, mut remarks, mut warnings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let shown = frame.file.path().display();
         state_frame(frame, is_calibrated || self.stars.is_some(), &mut warnings);
-        warnings.extend(sky.and_then(|sky| unknown_observer_warning(sky, frame)));
+        warnings.extend(sky.and_then(|sky| observer_warning(sky, frame)));
         let photometry = photometry(self.config, frame)?;
         let (optics, is_seeing_known) = self.measure.optics(self.config, frame)?;
         let filter = self.config.light.band.as_deref().or(frame.filter.as_deref());

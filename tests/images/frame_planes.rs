@@ -157,8 +157,8 @@ fn planes_without_coordinates_belong_to_a_chip_or_are_named() {
 fn planes_of_other_images_are_not_used() {
     for (names, unused) in [
         (&["SCI", "SCI_MASK", "REF", "REF_MASK"][..], 3),
-        (&["SCI", "REF_VAR", "MASK", "REF"], 1),
-        (&["SCI", "MASK", "SUBTRACTED", "SUBTRACTED_ERR"], 3),
+        (&["SCI", "REF_BPM", "MASK", "REF"], 1),
+        (&["SCI", "MASK", "SUBTRACTED", "SUBTRACTED_BPM"], 3),
         (&["SCI", "MASK", "TEMPLATE_MASK"], 2),
     ] {
         let images: Vec<(&str, String)> = names.iter().map(|name| (*name, sky(10.0))).collect();

@@ -119,6 +119,9 @@ const ZERO_POINTS: &[(&str, Option<CountBasis>)] = &[
     ("ZEROPT", None),
 ];
 
+/// AB magnitudes of units of flux density: 8.9 of one jansky.
+const JANSKY_MAGS: &[(&str, f64)] = &[("nJy", 31.4), ("uJy", 23.9), ("mJy", 16.4), ("Jy", 8.9)];
+
 /// Magnitude of one nanomaggy (SDSS, Legacy Surveys).
 const NANOMAGGY_MAG: f64 = 22.5;
 
@@ -362,6 +365,10 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         keywords.text(&["BUNIT"]).map(|(_, unit)| unit.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
     if unit == "nanomaggy" || unit == "nanomaggies" || unit == "nmgy" {
         return Some(of_frame(NANOMAGGY_MAG, "BUNIT".to_owned()));
+    }
+    let stated_unit = keywords.text(&["BUNIT"]).map(|(_, unit)| unit).unwrap_or_default();
+    if let Some((_, mag)) = JANSKY_MAGS.iter().find(|(unit, _)| *unit == stated_unit.trim()) {
+        return Some(of_frame(*mag, "BUNIT".to_owned()));
     }
     // The LSST pipelines write the counts of a source of magnitude 0 instead of a zero point.
     if let Some((keyword, flux, _)) = keywords.number(&["FLUXMAG0"], |flux| flux > 0.0) {

@@ -8,9 +8,10 @@ use crate::frames::{seconds_after, seconds_between};
 
 use super::super::header::Header;
 use super::comment::{AGREED_S, Comment, Role};
+use super::instant_keywords::NAMED_STARTS;
 use super::instants::{Instant, Instants, unreadable};
 use super::length::{Length, STATED_S, length, stated_s};
-use super::moment::Keywords;
+use super::moment::{Keywords, is_spelling};
 use super::scale::{APPROXIMATE, scale, scale_name, timesys};
 use super::start_doubts::{
     SHIFT_SLACK, START_SLACK_S, Start, about_times, comments_of, of_day_number, of_other_date, other_parts,
@@ -28,6 +29,9 @@ const READOUT_SHARE: f64 = 0.25;
 /// Time by which a clock of the telescope may be before the start, and by which times may differ where TIMESYS calls
 /// them approximate, seconds.
 const LOOSE_START_S: f64 = 10.0;
+
+/// Largest difference of a number of days from clocks that agree with each other and with the end, seconds.
+const OUTVOTED_S: f64 = 300.0;
 
 /// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
 /// 4.3 s, and times without seconds have 60 s.
@@ -185,6 +189,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let is_read_early = other.is_loose && other.role == Role::Middle && states_start(keywords, &first);
         let early_s = early_s + if is_read_early { duration_s / 2.0 } else { 0.0 };
         let late_s = if other.is_loose || other.is_loose_clock { LOOSE_END_S + duration_s } else { 0.0 };
+        // The command to open the shutter, and its opening (MegaPrime of the CFHT).
+        let late_s = late_s + if other.from.starts_with("SHUT") { LOOSE_START_S } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
             0.0
@@ -195,6 +201,17 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let digits_s = first.slack_s + other.slack_s;
         let clock_s = if approximate.is_some() { LOOSE_START_S } else { 0.0 };
         let slack_s = START_SLACK_S + digits_s + shift_s + clock_s;
+        if is_outvoted(&instants, &first, other, duration_s) {
+            remarks.push(format!(
+                "the start is that of {}, with which another clock and the end agree; {} gives one {:.1} s {}; for another one \
+                 specify --start",
+                first.from,
+                other_start.from,
+                difference_s.abs(),
+                if difference_s > 0.0 { "later" } else { "earlier" }
+            ));
+            continue;
+        }
         if !(-slack_s - early_s..=slack_s + late_s).contains(&difference_s) {
             let scale = scale(keywords)?.0;
             let [first_start, second_start] =
@@ -263,6 +280,42 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     Ok(first)
 }
 
+/// Returns true if a number of days differs by some seconds or minutes from the start of a clock, with which another
+/// clock and the end of the exposure agree, as in headers of Gemini.
+fn is_outvoted(instants: &Instants, first: &Start, other: &Instant, duration_s: f64) -> bool {
+    let is_days = |instant: &Instant| instant.value.parse::<f64>().is_ok_and(|days| days > 1e4);
+    let late_s = |instant: &Instant| seconds_between(first.epoch, start_of(instant, duration_s).epoch);
+    if !is_days(other) || !(STATED_S..OUTVOTED_S).contains(&late_s(other).abs()) {
+        return false;
+    }
+    let agrees = |instant: &&Instant| {
+        !is_days(instant)
+            && late_s(instant).abs() <= START_SLACK_S + first.slack_s + instant.slack_s
+            && !first.from.split(" - ").next().is_some_and(|from| from == instant.from)
+    };
+    let others: Vec<&Instant> = instants.found.iter().filter(agrees).collect();
+    let has = |role: Role| others.iter().any(|instant| instant.role == role);
+    has(Role::Start) && has(Role::End)
+}
+
+/// Replaces a start in whole seconds by one of the same second in another keyword with more digits.
+fn use_finer(instants: &Instants, start: &mut Start) {
+    if start.step_s < 1.0 || start.slack_s > AGREED_S || NAMED_STARTS.iter().any(|name| is_spelling(name, &start.from))
+    {
+        return;
+    }
+    let is_finer = |other: &&Instant| {
+        let is_start = other.role == Role::Start && !other.is_loose && !other.is_loose_clock;
+        let late_s = seconds_between(start.epoch, other.epoch);
+        let is_same_second = (AGREED_S..1.0).contains(&late_s) || (-0.5..-AGREED_S).contains(&late_s);
+        is_start && other.step_s() < 1.0 && other.slack_s <= AGREED_S && is_same_second
+    };
+    if let Some(finer) = instants.found.iter().find(is_finer) {
+        (start.epoch, start.from) = (finer.epoch, finer.from.clone());
+        (start.slack_s, start.step_s) = (finer.slack_s, finer.step_s());
+    }
+}
+
 /// Returns the start with the highest precedence: a keyword of the start, then of the middle, then of the end.
 fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
     let order = [
@@ -288,6 +341,9 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
         }
         let known = &*instants;
         first = order[1..].iter().find_map(|choice| find(known, *choice));
+    }
+    if let Some(start) = &mut first {
+        use_finer(instants, start);
     }
     if let Some(error) = instants.unusable(first.as_ref().map(|start| start.epoch)) {
         return Err(error);

@@ -489,7 +489,7 @@ impl Reader<'_> {
         {
             return Ok(());
         }
-        let slack_s = header.card(&from).map_or(0.0, resolution) * DAY_S;
+        let slack_s = header.card(&from).map_or(0.0, |card| resolution(card).max(single_precision(number))) * DAY_S;
         let value = number.map_or(value, |number| number.to_string());
         let is_loose = is_loose && !states_start(&comment);
         self.add(Instant { slack_s, is_loose, ..instant(epoch, from, role) }, &value, &[comment]);
@@ -575,15 +575,22 @@ impl Reader<'_> {
                     |known: &&Instant| seconds_between(known.epoch, instant.epoch).abs() <= SAME_READING_S + slack_s;
                 let same = || self.instants.found.iter().find(is_same).filter(|_| !is_named).map(|known| known.role);
                 let of_same = role.or_else(same);
-                // The comment of days also states the part of the date from which they are computed.
-                if let Some(role) = role.filter(|_| !is_named && value.parse::<f64>().is_ok_and(|days| days > 1e4)) {
-                    let others =
-                        self.instants.found.iter_mut().filter(|known| !known.is_role_stated && is_same(&&**known));
-                    others.for_each(|known| known.role = role);
+                // The end of the observation, with the readout.
+                let is_of_cfht = || self.keywords.text(&["TELESCOP"]).is_some_and(|(_, name)| name.starts_with("CFHT"));
+                let is_loose = instant.is_loose || (usual == Role::End && is_of_cfht());
+                // The comment of days also states that the date from which they are computed is the middle.
+                let is_middle = role == Some(Role::Middle) && value.parse::<f64>().is_ok_and(|days| days > 1e4);
+                for known in self.instants.found.iter_mut().filter(|_| is_middle && !is_named) {
+                    if !known.is_role_stated && is_same(&&*known) {
+                        known.role = Role::Middle;
+                        let sentence =
+                            format!("{} is read as the middle, by the comment of {}", known.from, instant.from);
+                        self.instants.readings.push((known.from.clone(), sentence));
+                    }
                 }
                 let is_role_stated = is_named || role.is_some();
                 let (role, value) = (of_same.unwrap_or(usual), value.to_owned());
-                self.instants.found.push(Instant { role, value, slack_s, is_role_stated, ..instant });
+                self.instants.found.push(Instant { role, value, slack_s, is_role_stated, is_loose, ..instant });
             }
             Err((comment, problem)) => {
                 if comment.is_local() || problem == OTHER_SCALE {
@@ -620,6 +627,20 @@ fn instant(epoch: Epoch, from: String, role: Role) -> Instant {
 /// Returns true for Julian dates and modified Julian dates of this century.
 fn is_day_number(number: f64) -> bool {
     (51_544.0..88_069.0).contains(&number) || (2_451_544.5..2_488_069.5).contains(&number)
+}
+
+/// Returns half of the last digit of a number that was converted from single precision, as 56990.8984375 of 56990.9; 0 for
+/// other numbers.
+fn single_precision(number: Option<f64>) -> f64 {
+    let decimals = |text: String| text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let Some(number) = number.filter(|number| f64::from(*number as f32) == *number) else { return 0.0 };
+    let short = decimals((number as f32).to_string());
+    // Multiples of 1/64 may be exact times of day.
+    if short < decimals(number.to_string()).saturating_sub(1) && decimals(number.to_string()) > 6 {
+        0.5 * 10f64.powi(-(short as i32))
+    } else {
+        0.0
+    }
 }
 
 /// Returns the epoch of a number of seconds or milliseconds since 1970, for years from 2001 to 2096.

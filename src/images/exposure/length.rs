@@ -15,12 +15,12 @@ use super::stacks::{
 
 /// Keywords of the exposure time, in order of precedence.
 const LENGTHS: &[&str] =
-    &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INT-TIME", "ELAPTIME", "SHUTTIME", EXPOINUS];
+    &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INT-TIME", "ELAPTIME", EXPOINUS];
 /// Exposure time in microseconds (ZWO).
 const EXPOINUS: &str = "EXPOINUS";
 /// Keywords that are used only without the others: ITIME is the requested time, and TRUITIME the true one (IRTF);
 /// EXPOSED (AAT); and EXP if its comment states a unit, because it may also be a number.
-const LAST_LENGTHS: &[&str] = &["TRUITIME", "EXPOSED", "EXP"];
+const LAST_LENGTHS: &[&str] = &["SHUTTIME", "TRUITIME", "EXPOSED", "EXP", "TEXP"];
 /// Keywords of the time of one of several added exposures.
 const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
 
@@ -38,7 +38,7 @@ const TOTALS: &[&str] = &["TOT", "CUM", "SUM", "STACK"];
 /// Keywords of the true or measured exposure time, which may be shorter than the requested one, and words of comments.
 const TRUE_TIMES: &[&str] = &[
     "ACTEXP", "ACTTIME", "ACTUALEX", "REALEXP", "REALTIME", "TRUEEXP", "EXPOSED", "EXPMEAS", "MEASEXP", "REXPTIME",
-    "DARKTIME", "ELAPSED", "TRUITIME",
+    "DARKTIME", "ELAPSED", "TRUITIME", "SHUTTIME",
 ];
 const TRUE: &str = "actual real measured true";
 /// Words of exposures that were ended early.
@@ -268,7 +268,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
 /// Returns the time of one keyword; `None` if the header does not have it.
 fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error> {
     let Some((header, keyword)) = keywords.find(keyword) else { return Ok(None) };
-    let comment = Comment::new(&header.comment(&keyword));
+    let comment = Comment::new(&keywords.remark(header, &keyword));
     // "Exposure request number" (JWST)
     if comment.has_pair("exposure request", "number") {
         return Ok(None);

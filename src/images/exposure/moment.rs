@@ -310,9 +310,21 @@ impl<'a> Keywords<'a> {
         Ok(())
     }
 
+    /// Returns the comment of a card; without one, that of the card with this value in another header.
+    pub fn remark(self, header: &Header, name: &str) -> String {
+        let own = header.comment(name);
+        if !own.is_empty() {
+            return own;
+        }
+        let value = header.card(name).and_then(Card::value);
+        let is_same = |other: &&&Header| other.card(name).and_then(Card::value) == value;
+        let others = self.0.iter().filter(is_same).map(|other| other.comment(name));
+        others.into_iter().find(|comment| !comment.is_empty()).unwrap_or_default()
+    }
+
     /// Returns the comment of a keyword, with the COMMENT cards that begin with its name.
     pub fn comment(self, header: &Header, name: &str) -> Comment {
-        let mut text = header.comment(name);
+        let mut text = self.remark(header, name);
         for card in header.cards().iter().filter(|card| card.keyword() == "COMMENT") {
             let remark = card.remark_text();
             if let Some(rest) = remark.trim_start().strip_prefix(name).filter(|rest| rest.starts_with([' ', ':', '=']))
@@ -328,7 +340,7 @@ impl<'a> Keywords<'a> {
         keywords.iter().find_map(|keyword| {
             let (header, name) = self.find(keyword)?;
             let number = header.number(&name).filter(|number| allows(*number))?;
-            let comment = header.comment(&name);
+            let comment = self.remark(header, &name);
             Some((name, number, comment))
         })
     }

@@ -423,7 +423,11 @@ impl Image {
         };
         let by_sky = || only(&|frame| self.has_sky() && self.has_pixels_of(frame));
         let by_version = || only(&|frame| frame.version.is_some() && frame.version == self.version);
-        let by_name = || only(&|frame| !frame.name.is_empty() && self.name.ends_with(&frame.name));
+        let has_name = |frame: &Self| {
+            self.name.ends_with(&frame.name)
+                || self.name.split(|c: char| !c.is_ascii_alphanumeric()).any(|part| part == frame.name)
+        };
+        let by_name = || only(&|frame| !frame.name.is_empty() && has_name(frame));
         let by_number = || only(&|frame| number(&frame.name).is_some() && number(&frame.name) == number(&self.name));
         // As many planes of this content as frames have their order.
         let by_order = || {

@@ -151,3 +151,16 @@ fn verif_gains_of_cameras_and_inverse_gains() {
         assert!(found.gain_e_adu.is_none() && found.doubtful_gain.is_some(), "{cards}");
     }
 }
+
+/// Flux densities have the zero points of the AB system; surface brightnesses have none.
+#[test]
+fn verif_zero_points_of_flux_densities() {
+    let zero_point =
+        |unit: &str| Calibration::from_headers(&[&Header::from_text(&format!("BUNIT   = '{unit}'"))]).zero_point;
+    for (unit, mag) in [("nJy", 31.4), ("uJy", 23.9), ("mJy", 16.4), ("Jy", 8.9)] {
+        assert_eq!(zero_point(unit).map(|found| (found.mag, found.basis)), Some((mag, Some(CountBasis::Frame))));
+    }
+    for unit in ["MJy/sr", "MJy", "adu", "nJy/s"] {
+        assert_eq!(zero_point(unit), None, "{unit}");
+    }
+}

@@ -233,7 +233,7 @@ fn verif_relative_times_unix_times_and_sidereal_times_are_compared() {
         ("EXPSTART= 1787343300000".to_owned(), "EXPSTART is 25200.0 s earlier than the start"),
         (format!("{mauna_kea}LST     = '14:55:00'"), ""),
         (format!("{mauna_kea}LST     = '14:49:00'"), ""),
-        (format!("{mauna_kea}ST      = '00:53:23'"), "ST is 00:53:23, 9.97 h later than the sidereal time"),
+        (format!("{mauna_kea}ST      = '00:53:23'"), "ST is 00:53:23, 9.98 h later than the sidereal time"),
         ("LST     = '00:53:23'".to_owned(), ""),
         ("TRUITIME= 1.0".to_owned(), "TRUITIME is 1 s"),
     ] {
@@ -274,7 +274,7 @@ fn valid_dates_of_missions() {
             "DATE_OBS= '2026-08-22T03:15:00' / UTC\nMJD_OBS = 61274.135416667 / MJD of obs mid-point",
             "2026-08-22T03:14:45",
             "DATE_OBS - half of the exposure",
-            0,
+            1,
         ),
     ] {
         let text = format!("{cards}\n{length}");

@@ -230,3 +230,23 @@ fn verif_gaps_in_an_exposure_are_stated() {
     let error = time("DATE-OBS= '2026-08-22T03:15:00'\nEXPTIME = 60\nDATE-END= '2026-08-22T03:14:00'").unwrap_err();
     assert!(error.contains("an end after the start") && !error.contains("--exposure -60"), "{error}");
 }
+
+/// Times of the shutter are compared with the exposure time; that of the request is used alone.
+#[test]
+fn valid_times_of_shutters_and_requests() {
+    let at = "DATE-OBS= '2026-08-22T03:15:00'\n";
+    for (cards, seconds, remarks) in [
+        // LATISS
+        ("EXPTIME = 1.0\nSHUTTIME= 1.241", 1.0, 1),
+        ("EXPTIME = 5.0\nSHUTTIME= 0.0", 5.0, 0),
+        ("SHUTTIME= 5.0", 5.0, 0),
+        // CPAPIR
+        ("TEXP    = 20.0 / Exposure time asked for", 20.0, 0),
+        // The end of MegaPrime and WIRCam is after the readout.
+        ("EXPTIME = 20.194\nTELESCOP= 'CFHT 3.6m'\nDATE-END= '2026-08-22T03:16:07.9'", 20.194, 1),
+    ] {
+        let found = time(&format!("{at}{cards}")).unwrap_or_else(|error| panic!("{cards}: {error}"));
+        assert_eq!((found.duration_s, found.remarks.len()), (seconds, remarks), "{cards}: {:?}", found.remarks);
+    }
+    assert!(time(&format!("{at}EXPTIME = 20.194\nDATE-END= '2026-08-22T03:16:07.9'")).is_err());
+}
