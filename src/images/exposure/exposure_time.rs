@@ -31,6 +31,9 @@ const READOUT_SHARE: f64 = 0.25;
 /// 4.3 s, and times without seconds have 60 s.
 const COARSE_S: f64 = 10.0;
 
+/// Keyword of the time scale.
+const TIMESYS: &str = "TIMESYS";
+
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
 
@@ -87,6 +90,14 @@ impl ExposureTime {
             Some(start) => (start, GIVEN.to_owned()),
             None => self::start(keywords, duration_s, &mut remarks).map(|start| (start.epoch, start.from))?,
         };
+        let names = [&start_from, &duration_from].into_iter().flat_map(|from| from.split(" + "));
+        let names =
+            names.map(|name| name.split(" - ").next().unwrap_or(name)).chain((start_from != GIVEN).then_some(TIMESYS));
+        remarks.extend(
+            names
+                .filter_map(|name| keywords.difference(name))
+                .map(|sentence| format!("{sentence}; for another one specify --start and --exposure")),
+        );
         Ok(Self { start, duration_s, start_from, duration_from, remarks })
     }
 }

@@ -129,9 +129,14 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
     // Names of several sites, and of sites that are part of an unknown name.
     let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
     let mut hints: Vec<(String, Vec<&Site>)> = Vec::new();
-    for keyword in NAMES {
+    // The primary header and that of the image may have different names.
+    for (keyword, text) in
+        NAMES.iter().flat_map(|keyword| keywords.texts(keyword).into_iter().map(move |text| (*keyword, text)))
+    {
         // WISE in capitals is the telescope in space, and Wise a site on the Earth.
-        let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| text != "WISE") else { continue };
+        if text == "WISE" {
+            continue;
+        }
         if keyword == SITE_CODE && !LAS_CUMBRES.iter().any(|code| code.eq_ignore_ascii_case(&text)) {
             continue;
         }
@@ -199,7 +204,9 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
             let unknown = unknown.map(|(name, code)| {
                 format!("{name} {code:?} is no known code of the Minor Planet Center: it is not used")
             });
-            Ok(Some(HeaderSite { site: first.clone(), remark: remark.or(other).or(unknown) }))
+            let positions = || CARTESIAN.iter().chain(&GEODETIC).chain(MPC_CODES);
+            let difference = || positions().find_map(|name| keywords.difference(name));
+            Ok(Some(HeaderSite { site: first.clone(), remark: remark.or(other).or(unknown).or_else(difference) }))
         }
     }
 }
