@@ -61,9 +61,11 @@ pub fn use_finer(instants: &Instants, start: &mut Start, duration_s: f64) {
         let late_s = seconds_between(start.epoch, start_of(other, duration_s).epoch);
         // Seconds are cut off or rounded.
         let is_same_second = (AGREED_S..1.0).contains(&late_s) || (-0.5..-AGREED_S).contains(&late_s);
-        let is_of_start = other.role == Role::Start && !other.is_loose_clock;
+        // UT may be that of another instant, and JD in the same second is not.
+        let is_exact = !other.is_loose || is_days(other);
+        let is_of_start = other.role != Role::End && !other.is_loose_clock && is_exact;
         let is_digital = other.step_s() < 1.0 && other.slack_s <= AGREED_S;
-        (is_of_start || (other.role == Role::Middle && !other.is_loose)) && is_digital && is_same_second
+        is_of_start && is_digital && is_same_second
     };
     let finer = || instants.found.iter().filter(is_finer);
     if let Some(finer) = finer().find(|other| !other.is_loose).or_else(|| finer().next()) {

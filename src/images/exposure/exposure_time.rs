@@ -291,7 +291,10 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     remarks.extend(created);
     let readings = instants.readings.iter().filter(|(from, _)| first.from.split(" - ").next() == Some(from));
     remarks.extend(readings.map(|(_, sentence)| format!("{sentence}; for another start specify --start")));
-    remarks.extend(of_day_number(keywords, &first));
+    // A date that agrees shows that a number of days is that of the same part.
+    let is_date = |instant: &Instant| !instant.is_loose && instant.role == Role::Start && instant.slack_s <= COARSE_S;
+    let is_alone = !instants.found.iter().any(is_date);
+    remarks.extend(of_day_number(keywords, &first).filter(|_| is_alone));
     remarks.extend(sidereal(keywords, &first, duration_s));
     remarks.extend(of_other_date(keywords, &first));
     remarks.extend(written_early(keywords, &first, duration_s));
