@@ -327,7 +327,7 @@ impl<'a> Keywords<'a> {
             (Some(number), _) => Some(number.to_string()),
             (None, text) => text.map(|text| format!("{:?}", text.trim())),
         };
-        let values: Vec<String> = self.0.iter().filter_map(|header| value(header)).collect();
+        let values: Vec<String> = self.0.iter().filter_map(value).collect();
         let [first, other] = [values.first()?, values.last()?];
         let [first_text, other_text] = [first, other].map(|text| text.trim_matches('"'));
         let is_same = if first.starts_with('"') {

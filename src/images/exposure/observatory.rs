@@ -368,6 +368,23 @@ mod tests {
         Ok(found.and_then(|found| found.remark).unwrap_or_default())
     }
 
+    /// Names of different sites in the headers of the image and of the file are an error, and other positions are stated.
+    #[test]
+    fn valid_sites_of_two_headers_are_compared() {
+        let read = |image: &str, primary: &str| {
+            let [image, primary] = [image, primary].map(Header::from_text);
+            let found = site_from_headers(&[&image, &primary]).map_err(|error| error.to_string())?;
+            Ok::<String, String>(found.and_then(|found| found.remark).unwrap_or_default())
+        };
+        let error = read("TELESCOP= 'VST'", "TELESCOP= 'Subaru'").unwrap_err();
+        assert!(error.contains("TELESCOP \"VST\"") && error.contains("TELESCOP \"Subaru\""), "{error}");
+        assert_eq!(read("TELESCOP= 'Subaru'", "TELESCOP= 'Subaru'"), Ok(String::new()));
+        assert_eq!(read("TELESCOP= 'Subaru'", "TELESCOP= 'my telescope'"), Ok(String::new()));
+        let position = "OBSGEO-B= 30.0\nOBSGEO-L= -110.0\nOBSGEO-H= 1000.0\n";
+        let remark = read(position, &position.replace("30.0", "31.0"));
+        assert!(remark.is_ok_and(|remark| remark.contains("OBSGEO-B is 30 in the header of the image, and 31")));
+    }
+
     #[test]
     fn unknown_codes_are_stated() {
         for code in ["'Z99'", "999.5"] {
