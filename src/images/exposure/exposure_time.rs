@@ -161,7 +161,9 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         let stated_s = stated_s(length.seconds).max(start.step_s.max(end.step_s()) - EXACT_S);
         if late_s.abs() > stated_s + digits_s {
             let use_of = &length.keyword;
-            remarks.push(format!("{use_of} is {given}: {use_of} is used; for another span specify --exposure"));
+            let before = format!("{use_of} is {} s, but it is {shown_s:.1} s from {} to ", length.seconds, start.from);
+            let after = format!(": {use_of} is used; for another span specify --exposure");
+            state(remarks, &before, &end.from, [&after, &after]);
         }
         let is_equal = late_s <= slack_s.min(stated_s + digits_s + SHIFT_SLACK * length.seconds);
         // Ten times 1 s do not fit into 1.9 s.
@@ -169,6 +171,23 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         is_confirmed |= !end.is_loose && (is_equal || is_of_all) && end.slack_s <= COARSE_S;
     }
     Ok(is_confirmed)
+}
+
+/// Adds a sentence about a keyword, or the keyword to the same sentence about others. The texts after one keyword and after
+/// several are given.
+fn state(remarks: &mut Vec<String>, before: &str, name: &str, [after_one, after_several]: [&str; 2]) {
+    let end_of = |remark: &String| {
+        let names = remark.strip_prefix(before)?;
+        let names = names.strip_suffix(after_one).or_else(|| names.strip_suffix(after_several))?;
+        Some(before.len() + names.len())
+    };
+    match remarks.iter_mut().find_map(|remark| Some((end_of(remark)?, remark))) {
+        Some((end, remark)) => {
+            remark.truncate(end);
+            remark.push_str(&format!(", {name}{after_several}"));
+        }
+        None => remarks.push(format!("{before}{name}{after_one}")),
+    }
 }
 
 /// Reads all instants in the scale of TIMESYS.
@@ -222,19 +241,17 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             SHIFT_SLACK * duration_s
         };
         let difference_s = seconds_between(first.epoch, other_start.epoch);
+        let side = if difference_s > 0.0 { "later" } else { "earlier" };
+        let shown = format!("one {:.1} s {side}", difference_s.abs());
         let digits_s = first.slack_s + other.slack_s;
         let clock_s = if approximate.is_some() { LOOSE_START_S } else { 0.0 };
         let slack_s = START_SLACK_S + digits_s + shift_s + clock_s;
         if !(-slack_s - early_s..=slack_s + late_s).contains(&difference_s) {
             if is_outvoted(keywords, &instants, &first, other, duration_s) {
-                remarks.push(format!(
-                    "the start is that of {}, with which the other clocks agree; {} gives one {:.1} s {} and is not used; for \
-                     another one specify --start",
-                    first.from,
-                    other_start.from,
-                    difference_s.abs(),
-                    if difference_s > 0.0 { "later" } else { "earlier" }
-                ));
+                let before = format!("the start is that of {}, with which the other clocks agree; ", first.from);
+                let after = format!("{shown}, not used; for another one specify --start");
+                let after = [format!(" gives {after}"), format!(" give {after}")];
+                state(remarks, &before, &other_start.from, [&after[0], &after[1]]);
                 continue;
             }
             let scale = scale(keywords)?.0;
@@ -259,13 +276,10 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             None => usual_s,
         };
         if difference_s.abs() > least_s + digits_s + if other.is_loose { other.slack_s } else { 0.0 } {
-            let side = if difference_s > 0.0 { "later" } else { "earlier" };
-            remarks.push(format!(
-                "the start is that of {}; {} gives one {:.1} s {side}; for another one specify --start",
-                first.from,
-                other_start.from,
-                difference_s.abs()
-            ));
+            let before = format!("the start is that of {}; ", first.from);
+            let after = format!("{shown}; for another one specify --start");
+            let after = [format!(" gives {after}"), format!(" give {after}")];
+            state(remarks, &before, &other_start.from, [&after[0], &after[1]]);
         }
     }
     if first.slack_s > AGREED_S {

@@ -403,7 +403,7 @@ fn valid_days_are_outvoted_by_clocks() {
     let clocks = "DATE-OBS= '2026-08-22'\nTIME-OBS= '03:15:00.1'\nUTSTART = '03:15:00.2'\n";
     let end = "UTEND   = '03:16:00.5'\n";
     for (cards, words) in [
-        (format!("{clocks}{end}MJD-OBS = 61274.135755"), "MJD-OBS gives one 29.1 s later and is not used"),
+        (format!("{clocks}{end}MJD-OBS = 61274.135755"), "MJD-OBS gives one 29.1 s later, not used"),
         (format!("{clocks}MJD-OBS = 61274.135755"), "MJD-OBS gives one 29.1 s later"),
         (format!("{clocks}{end}MJD-OBS = 61274.145755"), "MJD-OBS gives one 893.1 s later"),
         (format!("{clocks}{end}UT      = '03:14:24.0' / UT at observation start"), "UT gives one 36.1 s earlier"),
@@ -453,7 +453,7 @@ fn valid_clocks_of_gemini_and_cfht() {
             50.0,
             "2022-09-15T19:03:28.95",
             "UTSTART",
-            &["DATE-OBS + TIME-OBS gives one 3.8 s earlier", "MJD-OBS gives one 65.6 s later"],
+            &["DATE-OBS + TIME-OBS, UT give one 3.8 s earlier", "MJD-OBS gives one 65.6 s later"],
         ),
         // Flamingos-2: days in single precision, and the end of the exposure before.
         (
@@ -462,7 +462,7 @@ fn valid_clocks_of_gemini_and_cfht() {
             85.0,
             "2015-01-01T04:04:30.494034",
             "UTSTART",
-            &["UTEND is 14.5 s before the start of UTSTART", "DATE-OBS + TIME-OBS gives one 3.8 s earlier"],
+            &["UTEND is 14.5 s before the start of UTSTART", "DATE-OBS + TIME-OBS, UT give one 3.8 s earlier"],
         ),
         // GNIRS: the end includes overheads.
         (
@@ -499,7 +499,7 @@ fn valid_clocks_of_gemini_and_cfht() {
             20.194,
             "2010-11-03T04:37:54.31",
             "DATE-OBS + UTC-OBS",
-            &["it is 67.9 s from DATE-OBS + UTC-OBS to MJDEND"],
+            &["it is 67.9 s from DATE-OBS + UTC-OBS to MJDEND, UTCEND: EXPTIME is used"],
         ),
         (
             "TELESCOP= 'CFHT 3.6m'\nSHUTOPEN= '2018-05-09T18:31:37.516' / Shutter blade opening time (UTC)\n\
@@ -508,7 +508,7 @@ fn valid_clocks_of_gemini_and_cfht() {
             60.0,
             "2018-05-09T18:31:37.516",
             "SHUTOPEN",
-            &["DATE-OBS + UTC-OBS gives one 1.1 s earlier", "MJDEND is 1.1 s before the start"],
+            &["DATE-OBS + UTC-OBS, MJD-OBS give one 1.1 s earlier", "MJDEND is 1.1 s before the start"],
         ),
     ] {
         let text = format!("{cards}\nEXPTIME = {length_s:?}\n");
