@@ -553,10 +553,8 @@ fn nights_have_the_date_of_the_time_zone() {
     let rows = ["2026-08-22T08:30:00Z", "2026-08-23T08:30:00Z"].map(|start| format!("{start},30,clear,0,\n"));
     fs::write(&file, format!("start_utc,duration_s,verdict,n_streaks,brightest_mag\n{}", rows.concat())).unwrap();
     let site: &[&str] = &["--lat", "-21.2", "--lon", "-175.2"];
-    let nights: [(&[&str], [&str; 2]); 2] = [
-        (&["--time-zone", "Pacific/Tongatapu"], ["2026-08-22", "2026-08-23"]),
-        (&[], ["2026-08-21", "2026-08-22"]),
-    ];
+    let nights: [(&[&str], [&str; 2]); 2] =
+        [(&["--time-zone", "Pacific/Tongatapu"], ["2026-08-22", "2026-08-23"]), (&[], ["2026-08-21", "2026-08-22"])];
     for (zone, [first, last]) in nights {
         let plot = |night: &str| {
             let picture = path(&folder, "n.svg");

@@ -4,38 +4,35 @@ use hifitime::{Epoch, TimeUnits};
 
 use crate::constants::DAY_S;
 use crate::error::Error;
-use crate::frames::{seconds_after, seconds_between};
+use crate::frames::seconds_between;
 
 use super::super::header::Header;
+use super::clocks::{
+    LOOSE_START_S, READOUT_S, UNSTATED_START_S, is_end_of_other, is_named, is_of_telescope, is_outvoted, is_shutter,
+    use_finer, use_stated,
+};
 use super::comment::{AGREED_S, Comment, Role};
-use super::instant_keywords::names_start;
-use super::instants::{Instant, Instants, unreadable};
+use super::instants::{Instant, Instants, Readout, unreadable};
 use super::length::{Length, STATED_S, length, stated_s};
 use super::moment::Keywords;
 use super::scale::{APPROXIMATE, scale, scale_name, timesys};
 use super::start_doubts::{
     SHIFT_SLACK, START_SLACK_S, Start, about_times, comments_of, of_day_number, of_other_date, other_parts,
-    same_as_local, sidereal, states_start, written_early, zone,
+    same_as_local, sidereal, start_of, states_start, written_early, zone,
 };
 
 /// Error of the difference of two times with the same digits, seconds. One by a whole last digit is no rounding.
 const EXACT_S: f64 = 0.01;
 
-/// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
-const LOOSE_END_S: f64 = 60.0;
 /// Part of the exposure time up to which a readout may be included in the end (48 s after 300 s at MegaCam of the
 /// CFHT).
 const READOUT_SHARE: f64 = 0.25;
-/// Time by which a clock of the telescope may be before the start, and by which times may differ where TIMESYS calls
-/// them approximate, seconds.
-const LOOSE_START_S: f64 = 10.0;
-
-/// Largest difference of a number of days from clocks that agree with each other and with the end, seconds.
-const OUTVOTED_S: f64 = 300.0;
-
 /// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
 /// 4.3 s, and times without seconds have 60 s.
 const COARSE_S: f64 = 10.0;
+
+/// Keyword of the time scale.
+const TIMESYS: &str = "TIMESYS";
 
 /// Source of a start or a duration that the caller gives.
 const GIVEN: &str = "given";
@@ -93,27 +90,16 @@ impl ExposureTime {
             Some(start) => (start, GIVEN.to_owned()),
             None => self::start(keywords, duration_s, &mut remarks).map(|start| (start.epoch, start.from))?,
         };
-        remarks.extend(other_value(keywords, &duration_from, "--exposure"));
-        remarks.extend(other_value(keywords, &start_from, "--start"));
+        let names = [&start_from, &duration_from].into_iter().flat_map(|from| from.split(" + "));
+        let names =
+            names.map(|name| name.split(" - ").next().unwrap_or(name)).chain((start_from != GIVEN).then_some(TIMESYS));
+        remarks.extend(
+            names
+                .filter_map(|name| keywords.difference(name))
+                .map(|sentence| format!("{sentence}; for another one specify --start and --exposure")),
+        );
         Ok(Self { start, duration_s, start_from, duration_from, remarks })
     }
-}
-
-/// Returns a sentence about a keyword with another value in the primary header than in that of the image.
-fn other_value(keywords: Keywords<'_>, from: &str, flag: &str) -> Option<String> {
-    let name = from.split(" + ").next()?.split(" - ").next()?;
-    let shown = |header: &&Header| header.number(name).map(|number| number.to_string()).or_else(|| header.text(name));
-    let mut values = keywords.0.iter().filter_map(shown);
-    let (first, other) = (values.next()?, values.next()?);
-    // A date without a time and one with a time are no contradiction.
-    let are_numbers = [&first, &other].iter().all(|text| text.parse::<f64>().is_ok());
-    let is_other = first != other && (are_numbers || !first.starts_with(&other) && !other.starts_with(&first));
-    is_other.then(|| {
-        format!(
-            "{name} is {first} in the header of the image, which is used, and {other} in the primary header: for the latter \
-             specify {flag}"
-        )
-    })
 }
 
 /// Returns the exposure time, seconds, and its keyword, after comparing it with the keywords of the end.
@@ -131,23 +117,36 @@ fn duration(keywords: Keywords<'_>, remarks: &mut Vec<String>) -> Result<(f64, S
 fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<String>) -> Result<bool, Error> {
     // An invalid start is reported when the start is read.
     let Ok((instants, start)) = instants(keywords).and_then(|mut instants| {
-        let start = chosen(&mut instants, length.seconds)?;
+        let start = chosen(keywords, &mut instants, length.seconds)?;
         Ok((instants, start))
     }) else {
         return Ok(false);
     };
-    let ends = instants.found.iter().filter(|instant| instant.role == Role::End);
+    let ends = || instants.found.iter().filter(|instant| instant.role == Role::End);
     let mut is_confirmed = false;
-    for end in ends.filter(|end| !start.from.starts_with(&end.from)) {
+    for end in ends().filter(|end| !start.from.starts_with(&end.from)) {
         let span_s = seconds_between(start.epoch, end.epoch);
-        let loose_s = if end.is_loose { LOOSE_END_S + length.seconds } else { 0.0 };
+        let loose_s = if end.is_loose { READOUT_S + length.seconds } else { 0.0 };
         let digits_s = start.slack_s + end.slack_s;
         let slack_s = START_SLACK_S + digits_s + SHIFT_SLACK * length.seconds;
-        let readout_s = digits_s + LOOSE_END_S.min(READOUT_SHARE * length.seconds);
+        let is_same = |other: &&Instant| seconds_between(end.epoch, other.epoch).abs() <= START_SLACK_S;
+        let readout_s = digits_s
+            + match ends().filter(is_same).map(|same| same.readout).max().unwrap_or(end.readout) {
+                Readout::Unknown => READOUT_S.min(READOUT_SHARE * length.seconds),
+                Readout::Possible => READOUT_S.min(length.seconds),
+                Readout::Included => READOUT_S,
+            };
         let late_s = span_s - length.seconds;
         // Not "-0.0".
         let shown_s = (10.0 * span_s).round() / 10.0 + 0.0;
         let given = format!("{} s, but it is {shown_s:.1} s from {} to {}", length.seconds, start.from, end.from);
+        if is_end_of_other(&instants, &start, end, length.seconds) {
+            remarks.push(format!(
+                "{} is {:.1} s before the start of {}, perhaps the end of the exposure before: it is not used",
+                end.from, -span_s, start.from
+            ));
+            continue;
+        }
         if !(-slack_s..=readout_s.max(slack_s + loose_s)).contains(&late_s) {
             let allowed = if span_s > 0.0 {
                 format!(
@@ -162,7 +161,9 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         let stated_s = stated_s(length.seconds).max(start.step_s.max(end.step_s()) - EXACT_S);
         if late_s.abs() > stated_s + digits_s {
             let use_of = &length.keyword;
-            remarks.push(format!("{use_of} is {given}: {use_of} is used; for another span specify --exposure"));
+            let before = format!("{use_of} is {} s, but it is {shown_s:.1} s from {} to ", length.seconds, start.from);
+            let after = format!(": {use_of} is used; for another span specify --exposure");
+            state(remarks, &before, &end.from, [&after, &after]);
         }
         let is_equal = late_s <= slack_s.min(stated_s + digits_s + SHIFT_SLACK * length.seconds);
         // Ten times 1 s do not fit into 1.9 s.
@@ -170,6 +171,23 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         is_confirmed |= !end.is_loose && (is_equal || is_of_all) && end.slack_s <= COARSE_S;
     }
     Ok(is_confirmed)
+}
+
+/// Adds a sentence about a keyword, or the keyword to the same sentence about others. The texts after one keyword and after
+/// several are given.
+fn state(remarks: &mut Vec<String>, before: &str, name: &str, [after_one, after_several]: [&str; 2]) {
+    let end_of = |remark: &String| {
+        let names = remark.strip_prefix(before)?;
+        let names = names.strip_suffix(after_one).or_else(|| names.strip_suffix(after_several))?;
+        Some(before.len() + names.len())
+    };
+    match remarks.iter_mut().find_map(|remark| Some((end_of(remark)?, remark))) {
+        Some((end, remark)) => {
+            remark.truncate(end);
+            remark.push_str(&format!(", {name}{after_several}"));
+        }
+        None => remarks.push(format!("{before}{name}{after_one}")),
+    }
 }
 
 /// Reads all instants in the scale of TIMESYS.
@@ -194,7 +212,7 @@ fn instants(keywords: Keywords<'_>) -> Result<Instants, Error> {
 /// Returns the start with the highest precedence, after checking that all instants in the header agree.
 fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> Result<Start, Error> {
     let mut instants = instants(keywords)?;
-    let first = chosen(&mut instants, duration_s)?;
+    let first = chosen(keywords, &mut instants, duration_s)?;
     if let Some(error) = same_as_local(keywords, &instants, &first) {
         return Err(error);
     }
@@ -202,14 +220,20 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     for other in instants.found.iter().filter(|other| other.role != Role::End) {
         // A clock of the telescope is read some seconds before the shutter opens (ESO), that of the camera perhaps
         // after the exposure. Days may be cut off to the digit before.
-        let is_clock = other.from.starts_with("UT");
-        let early_s = if is_clock { LOOSE_START_S } else { 0.0 } + if other.is_loose { other.slack_s } else { 0.0 };
+        let is_time_of_day = other.value.find(':').is_some_and(|at| at < 3);
+        let clock_s = if is_named(&first.from) && ((is_time_of_day && !other.is_role_stated) || is_of_telescope(other))
+        {
+            UNSTATED_START_S
+        } else if is_shutter(&first.from) || other.from.starts_with("UT") {
+            LOOSE_START_S
+        } else {
+            0.0
+        };
+        let early_s = clock_s + if other.is_loose { other.slack_s } else { 0.0 };
         // UT of Subaru is that of the start, with the comment "typical UTC at the exposure (middle".
         let is_read_early = other.is_loose && other.role == Role::Middle && states_start(keywords, &first);
         let early_s = early_s + if is_read_early { duration_s / 2.0 } else { 0.0 };
-        let late_s = if other.is_loose || other.is_loose_clock { LOOSE_END_S + duration_s } else { 0.0 };
-        // The command to open the shutter, and its opening (MegaPrime of the CFHT).
-        let late_s = late_s + if other.from.starts_with("SHUT") { LOOSE_START_S } else { 0.0 };
+        let late_s = if other.is_loose || other.is_loose_clock { READOUT_S + duration_s } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
             0.0
@@ -217,21 +241,19 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             SHIFT_SLACK * duration_s
         };
         let difference_s = seconds_between(first.epoch, other_start.epoch);
+        let side = if difference_s > 0.0 { "later" } else { "earlier" };
+        let shown = format!("one {:.1} s {side}", difference_s.abs());
         let digits_s = first.slack_s + other.slack_s;
         let clock_s = if approximate.is_some() { LOOSE_START_S } else { 0.0 };
         let slack_s = START_SLACK_S + digits_s + shift_s + clock_s;
-        if is_outvoted(&instants, &first, other, duration_s) {
-            remarks.push(format!(
-                "the start is that of {}, with which another clock and the end agree; {} gives one {:.1} s {}; for another one \
-                 specify --start",
-                first.from,
-                other_start.from,
-                difference_s.abs(),
-                if difference_s > 0.0 { "later" } else { "earlier" }
-            ));
-            continue;
-        }
         if !(-slack_s - early_s..=slack_s + late_s).contains(&difference_s) {
+            if is_outvoted(keywords, &instants, &first, other, duration_s) {
+                let before = format!("the start is that of {}, with which the other clocks agree; ", first.from);
+                let after = format!("{shown}, not used; for another one specify --start");
+                let after = [format!(" gives {after}"), format!(" give {after}")];
+                state(remarks, &before, &other_start.from, [&after[0], &after[1]]);
+                continue;
+            }
             let scale = scale(keywords)?.0;
             let [first_start, second_start] =
                 [first.epoch, other_start.epoch].map(|start| start.round(1.milliseconds()));
@@ -254,13 +276,10 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             None => usual_s,
         };
         if difference_s.abs() > least_s + digits_s + if other.is_loose { other.slack_s } else { 0.0 } {
-            let side = if difference_s > 0.0 { "later" } else { "earlier" };
-            remarks.push(format!(
-                "the start is that of {}; {} gives one {:.1} s {side}; for another one specify --start",
-                first.from,
-                other_start.from,
-                difference_s.abs()
-            ));
+            let before = format!("the start is that of {}; ", first.from);
+            let after = format!("{shown}; for another one specify --start");
+            let after = [format!(" gives {after}"), format!(" give {after}")];
+            state(remarks, &before, &other_start.from, [&after[0], &after[1]]);
         }
     }
     if first.slack_s > AGREED_S {
@@ -286,7 +305,10 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     remarks.extend(created);
     let readings = instants.readings.iter().filter(|(from, _)| first.from.split(" - ").next() == Some(from));
     remarks.extend(readings.map(|(_, sentence)| format!("{sentence}; for another start specify --start")));
-    remarks.extend(of_day_number(keywords, &first));
+    // A date that agrees shows that a number of days is that of the same part.
+    let is_date = |instant: &Instant| !instant.is_loose && instant.role == Role::Start && instant.slack_s <= COARSE_S;
+    let is_alone = !instants.found.iter().any(is_date);
+    remarks.extend(of_day_number(keywords, &first).filter(|_| is_alone));
     remarks.extend(sidereal(keywords, &first, duration_s));
     remarks.extend(of_other_date(keywords, &first));
     remarks.extend(written_early(keywords, &first, duration_s));
@@ -299,43 +321,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     Ok(first)
 }
 
-/// Returns true if a number of days differs by some seconds or minutes from the start of a clock, with which another
-/// clock and the end of the exposure agree, as in headers of Gemini.
-fn is_outvoted(instants: &Instants, first: &Start, other: &Instant, duration_s: f64) -> bool {
-    let is_days = |instant: &Instant| instant.value.parse::<f64>().is_ok_and(|days| days > 1e4);
-    let late_s = |instant: &Instant| seconds_between(first.epoch, start_of(instant, duration_s).epoch);
-    if !is_days(other) || !(STATED_S..OUTVOTED_S).contains(&late_s(other).abs()) {
-        return false;
-    }
-    let agrees = |instant: &&Instant| {
-        !is_days(instant)
-            && late_s(instant).abs() <= START_SLACK_S + first.slack_s + instant.slack_s
-            && first.from.split(" - ").next().is_none_or(|from| from != instant.from)
-    };
-    let others: Vec<&Instant> = instants.found.iter().filter(agrees).collect();
-    let has = |role: Role| others.iter().any(|instant| instant.role == role);
-    has(Role::Start) && has(Role::End)
-}
-
-/// Replaces a start in whole seconds by one of the same second in another keyword with more digits.
-fn use_finer(instants: &Instants, start: &mut Start) {
-    if start.step_s < 1.0 || start.slack_s > AGREED_S || names_start(&start.from) {
-        return;
-    }
-    let is_finer = |other: &&Instant| {
-        let is_start = other.role == Role::Start && !other.is_loose && !other.is_loose_clock;
-        let late_s = seconds_between(start.epoch, other.epoch);
-        let is_same_second = (AGREED_S..1.0).contains(&late_s) || (-0.5..-AGREED_S).contains(&late_s);
-        is_start && other.step_s() < 1.0 && other.slack_s <= AGREED_S && is_same_second
-    };
-    if let Some(finer) = instants.found.iter().find(is_finer) {
-        (start.epoch, start.from) = (finer.epoch, finer.from.clone());
-        (start.slack_s, start.step_s) = (finer.slack_s, finer.step_s());
-    }
-}
-
 /// Returns the start with the highest precedence: a keyword of the start, then of the middle, then of the end.
-fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
+fn chosen(keywords: Keywords<'_>, instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
     let order = [
         (Role::Start, false),
         (Role::Middle, false),
@@ -361,7 +348,8 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
         first = order[1..].iter().find_map(|choice| find(known, *choice));
     }
     if let Some(start) = &mut first {
-        use_finer(instants, start);
+        use_stated(keywords, instants, start);
+        use_finer(instants, start, duration_s);
     }
     if let Some(error) = instants.unusable(first.as_ref().map(|start| start.epoch)) {
         return Err(error);
@@ -399,19 +387,4 @@ fn day_problem(instant: &Instant, duration_s: f64) -> Option<Error> {
     let given = format!("{} {given}", start.epoch.round(1.milliseconds()));
     let allowed = "a date that its comment states to be that of the start, or --start";
     Some(Error::invalid(format!("start of {}", start.from), given, allowed))
-}
-
-/// Returns the start of an exposure of which an instant is known.
-fn start_of(instant: &Instant, duration_s: f64) -> Start {
-    let (back_s, what) = match instant.role {
-        Role::Start => (0.0, ""),
-        Role::Middle => (duration_s / 2.0, " - half of the exposure"),
-        Role::End => (duration_s, " - the exposure"),
-    };
-    let mut epoch = seconds_after(instant.epoch, -back_s);
-    // The end may be on the day after the date of the start.
-    if instant.day.is_some_and(|(midnight, part)| part == Some(Role::Start) && epoch < midnight) {
-        epoch = seconds_after(epoch, DAY_S);
-    }
-    Start { epoch, from: format!("{}{what}", instant.from), slack_s: instant.slack_s, step_s: instant.step_s() }
 }

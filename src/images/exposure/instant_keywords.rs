@@ -35,8 +35,9 @@ pub const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-STAR
 /// Keywords with the Julian date of the start.
 pub const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];
 
-/// Keywords of the start that contain a date, a Julian date or a time of day. FRAME is that of Andor's cameras.
-pub const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "EXP-STRT", "SHUT-OPEN", "FRAME"];
+/// Keywords of the start that contain a date, a Julian date or a time of day. FRAME is that of Andor's cameras, and DATE-HP
+/// DATE-OBS with more digits (MaxIm DL).
+pub const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "EXP-STRT", "SHUT-OPEN", "FRAME", "DATE-HP"];
 
 /// Keywords of dates that are used only if no other keyword gives the start.
 pub const LOOSE_DATES: &[&str] = &["MJD", "JD"];

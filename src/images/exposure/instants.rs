@@ -31,6 +31,12 @@ const CREATED: &str = "image created";
 /// Products, section III.1.b).
 const WITH_MIDDLES: &str = "WISE";
 
+/// Telescope whose ends are those of the observation, with the readout.
+const WITH_READOUT: &str = "CFHT";
+
+/// Keyword of the start in headers of Andor, also that of the coordinates.
+const FRAME: &str = "FRAME";
+
 /// Reason why an instant of another scale is not used.
 const OTHER_SCALE: &str = "in another time scale than TIMESYS";
 
@@ -63,6 +69,18 @@ pub struct Instant {
     pub day: Option<(Epoch, Option<Role>)>,
     /// True if the name of the keyword or its comment states the part of the exposure.
     pub is_role_stated: bool,
+    /// Whether an end includes the readout.
+    pub readout: Readout,
+}
+
+/// Statement about the readout of the detector before an end.
+#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Readout {
+    Unknown,
+    /// The comment states the end of the observation.
+    Possible,
+    /// Included in all ends of the observatory.
+    Included,
 }
 
 impl Instant {
@@ -113,7 +131,8 @@ impl Instants {
     /// A date or a time that cannot be parsed, or that is twice in the header.
     pub fn read(keywords: Keywords<'_>, scale: TimeScale, is_stated: bool) -> Result<Self, Error> {
         let lists = [DATES, TIMES, MODIFIED_DATES, JULIAN_DATES, OTHER_STARTS, MIDDLES, ENDS];
-        keywords.are_unique(lists.into_iter().flatten().copied())?;
+        // FRAME is also the system of the coordinates.
+        keywords.are_unique(lists.into_iter().flatten().copied().filter(|keyword| *keyword != FRAME))?;
         let mut reader = Reader { keywords, scale, is_stated, tried: Vec::new(), instants: Self::default() };
         for keyword in DATES.iter().flat_map(|keyword| keywords.spellings(keyword)) {
             reader.date(&keyword)?;
@@ -424,16 +443,13 @@ impl Reader<'_> {
                 return Ok(());
             }
             // The number of a frame
-            if keyword == "FRAME" {
+            if keyword == FRAME {
                 return Ok(());
             }
-            // Other numbers in EXPSTART and EXPEND count from another instant, and UTMIDDLE of the DAO is in hours.
+            // Other numbers in EXPSTART and EXPEND count from another instant, and those of times of day are hours.
             let read = self.days(keyword, role, false);
-            return if ["EXP", "SHUT", "MIDPOINT", "UT"].iter().any(|name| keyword.starts_with(name)) {
-                Ok(())
-            } else {
-                read
-            };
+            let is_days = ["DATE", "MJD", "JD"].iter().any(|name| keyword.starts_with(name));
+            return if is_days { read } else { Ok(()) };
         }
         if let Some((from, value, comment)) = self.keywords.text_and_comment(keyword)
             && let DateText::Moment(epoch) = parse_date(&value, self.scale_of(&comment))
@@ -493,7 +509,9 @@ impl Reader<'_> {
         {
             return Ok(());
         }
-        let slack_s = header.card(&from).map_or(0.0, |card| resolution(card).max(single_precision(number))) * DAY_S;
+        let text = value.split(['/', ' ']).next().unwrap_or_default();
+        let least = number.map_or(0.0, |number| single_precision(number, text));
+        let slack_s = header.card(&from).map_or(0.0, |card| resolution(card).max(least)) * DAY_S;
         let value = number.map_or(value, |number| number.to_string());
         let is_loose = is_loose && !states_start(&comment);
         self.add(Instant { slack_s, is_loose, ..instant(epoch, from, role) }, &value, &[comment]);
@@ -583,9 +601,14 @@ impl Reader<'_> {
                     |known: &&Instant| seconds_between(known.epoch, instant.epoch).abs() <= SAME_READING_S + slack_s;
                 let same = || self.instants.found.iter().find(is_same).filter(|_| !is_named).map(|known| known.role);
                 let of_same = role.or_else(same);
-                // The end of the observation, with the readout.
-                let is_of_cfht = || self.keywords.text(&["TELESCOP"]).is_some_and(|(_, name)| name.starts_with("CFHT"));
-                let is_loose = instant.is_loose || (usual == Role::End && is_of_cfht());
+                let is_with_readout =
+                    || self.keywords.text(&["TELESCOP"]).is_some_and(|(_, name)| name.starts_with(WITH_READOUT));
+                let is_of_observation = |comment: &Comment| comment.has("end") && comment.has("observation obs");
+                let readout = match usual {
+                    Role::End if is_with_readout() => Readout::Included,
+                    Role::End if comments.iter().any(is_of_observation) => Readout::Possible,
+                    _ => Readout::Unknown,
+                };
                 // The comment of days also states that the date from which they are computed is the middle.
                 let is_middle = role == Some(Role::Middle) && value.parse::<f64>().is_ok_and(|days| days > 1e4);
                 for known in self.instants.found.iter_mut().filter(|_| is_middle && !is_named) {
@@ -598,7 +621,7 @@ impl Reader<'_> {
                 }
                 let is_role_stated = is_named || role.is_some();
                 let (role, value) = (of_same.unwrap_or(usual), value.to_owned());
-                self.instants.found.push(Instant { role, value, slack_s, is_role_stated, is_loose, ..instant });
+                self.instants.found.push(Instant { role, value, slack_s, is_role_stated, readout, ..instant });
             }
             Err((comment, problem)) => {
                 if comment.is_local() || problem == OTHER_SCALE {
@@ -629,6 +652,7 @@ fn instant(epoch: Epoch, from: String, role: Role) -> Instant {
         is_loose_clock: false,
         day: None,
         is_role_stated: false,
+        readout: Readout::Unknown,
     }
 }
 
@@ -637,17 +661,19 @@ fn is_day_number(number: f64) -> bool {
     (51_544.0..88_069.0).contains(&number) || (2_451_544.5..2_488_069.5).contains(&number)
 }
 
-/// Returns half of the last digit of a number that was converted from single precision, as 56990.8984375 of 56990.9; 0
-/// for other numbers.
-fn single_precision(number: Option<f64>) -> f64 {
-    let decimals = |text: String| text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    let Some(number) = number.filter(|number| f64::from(*number as f32) == *number) else { return 0.0 };
-    let short = decimals((number as f32).to_string());
-    // Multiples of 1/64 may be exact times of day.
-    if short < decimals(number.to_string()).saturating_sub(1) && decimals(number.to_string()) > 6 {
-        0.5 * 10f64.powi(-(short as i32))
-    } else {
+/// Returns the error of a number of days in single precision, days: half of its spacing, or the last digit of a number such
+/// as 56990.8984375, which is that of 56990.9 and perhaps cut; 0 for other numbers.
+fn single_precision(number: f64, text: &str) -> f64 {
+    let decimals = |text: &str| text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let single = number as f32;
+    // Fewer decimals, or zeros at the end, are those of a number that is exact.
+    let is_exact = text.ends_with('0') || decimals(text) < 5;
+    if f64::from(single) != number || is_exact {
         0.0
+    } else if decimals(&single.to_string()) == 1 {
+        0.1
+    } else {
+        f64::from(single.next_up() - single) / 2.0
     }
 }
 

@@ -41,6 +41,8 @@ const TRUE_TIMES: &[&str] = &[
     "DARKTIME", "ELAPSED", "TRUITIME", "SHUTTIME",
 ];
 const TRUE: &str = "actual real measured true";
+/// Words of comments of the requested exposure time, which is used alone.
+const REQUESTED: &str = "requested request asked commanded";
 /// Words of exposures that were ended early.
 const ABORTED: &str = "abort aborted interrupted cancelled canceled";
 
@@ -116,6 +118,10 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         is_whole = lengths.iter().any(is_part);
         lengths.retain(|length| !is_part(length));
     }
+    let is_request = |length: &Stated| length.comment.has(REQUESTED) || is_with_overhead(&length.comment);
+    let has_other = !lengths.iter().all(is_request);
+    let (requests, lengths): (Vec<Stated>, Vec<Stated>) =
+        lengths.into_iter().partition(|length| has_other && is_request(length));
     let mut lengths = lengths.into_iter();
     let first = lengths.next().ok_or_else(|| {
         let allowed = "EXPTIME, XPOSURE, EXPOSURE, ITIME, ..., or for example --exposure 30s";
@@ -131,6 +137,15 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
         return Err(Error::invalid(keyword, given, "one length; specify it, for example --exposure 30s"));
     }
     let mut remarks = Vec::new();
+    for other in requests.iter().filter(|other| !agree(seconds, other.seconds)) {
+        remarks.push(format!(
+            "{keyword} is {seconds} s, and {} is {} s, by its comment {:?} another time: {keyword} is used; for another one specify \
+             --exposure",
+            other.keyword,
+            other.seconds,
+            other.comment.text()
+        ));
+    }
     let is_of_coadds = |name: &str| COADDS.iter().any(|coadds| is_spelling(coadds, name));
     // EXPTIME of ESO is the time of one integration or of all, depending on the instrument.
     let of_eso = ESO_INTEGRATIONS.iter().find_map(|(number, times)| {
@@ -327,6 +342,11 @@ fn duration_s(text: &str) -> Option<(f64, Option<f64>)> {
 /// tenth of a short exposure.
 pub fn stated_s(duration_s: f64) -> f64 {
     (SPAN_SLACK * duration_s).clamp(AGREED_S, STATED_S)
+}
+
+/// Returns true if the comment of a time is that of a sum with an overhead, such as "EXPTIME + reset time".
+fn is_with_overhead(comment: &Comment) -> bool {
+    comment.text().contains('+') && (comment.has(OVERHEADS) || comment.has("reset"))
 }
 
 /// Returns true if the comment of an exposure time states that it is that of one of several exposures; "per pixel" does

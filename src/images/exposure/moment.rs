@@ -310,6 +310,38 @@ impl<'a> Keywords<'a> {
         Ok(())
     }
 
+    /// Returns the different texts of a keyword in the headers.
+    pub fn texts(self, keyword: &str) -> Vec<String> {
+        let mut texts: Vec<String> = Vec::new();
+        for header in self.0 {
+            let text = Keywords(std::slice::from_ref(header)).text(&[keyword]).map(|(_, text)| text);
+            texts.extend(text.filter(|text| !texts.contains(text)));
+        }
+        texts
+    }
+
+    /// Returns a sentence about a keyword that has different values in the headers, of which the first is used. A date may
+    /// be without its time in one of them.
+    pub fn difference(self, keyword: &str) -> Option<String> {
+        let value = |header: &&Header| match (header.number(keyword), header.text(keyword)) {
+            (Some(number), _) => Some(number.to_string()),
+            (None, text) => text.map(|text| format!("{:?}", text.trim())),
+        };
+        let values: Vec<String> = self.0.iter().filter_map(value).collect();
+        let [first, other] = [values.first()?, values.last()?];
+        let [first_text, other_text] = [first, other].map(|text| text.trim_matches('"'));
+        let is_same = if first.starts_with('"') {
+            first_text.starts_with(other_text) || other_text.starts_with(first_text)
+        } else {
+            first == other
+        };
+        (!is_same).then(|| {
+            format!(
+                "{keyword} is {first} in the header of the image, and {other} in the primary header: the first is used"
+            )
+        })
+    }
+
     /// Returns the comment of a card; without one, that of the card with this value in another header.
     pub fn remark(self, header: &Header, name: &str) -> String {
         let own = header.comment(name);

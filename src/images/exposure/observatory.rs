@@ -144,8 +144,14 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
     // Names of several sites, and of sites that are part of an unknown name.
     let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
     let mut hints: Vec<(String, Vec<&Site>)> = Vec::new();
-    for keyword in NAMES {
-        let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| !is_no_site(text)) else { continue };
+    // The primary header and that of the image may have different names.
+    for (keyword, text) in
+        NAMES.iter().flat_map(|keyword| keywords.texts(keyword).into_iter().map(move |text| (*keyword, text)))
+    {
+        // WISE in capitals is the telescope in space, and Wise a site on the Earth.
+        if text == "WISE" || is_no_site(&text) {
+            continue;
+        }
         if keyword == SITE_CODE && !LAS_CUMBRES.iter().any(|code| code.eq_ignore_ascii_case(&text)) {
             continue;
         }
@@ -223,7 +229,10 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<HeaderSite>, Erro
             if first_from.starts_with(OBSGEO) && other.is_some() {
                 site.name = UNNAMED_SITE.to_owned();
             }
+            let positions = || CARTESIAN.iter().chain(&GEODETIC).chain(MPC_CODES);
+            let difference = || positions().find_map(|name| keywords.difference(name));
             let remarks: Vec<String> = [remark, other, unknown].into_iter().flatten().collect();
+            let remarks = if remarks.is_empty() { difference().into_iter().collect() } else { remarks };
             Ok(Some(HeaderSite { site, remark: (!remarks.is_empty()).then(|| remarks.join("; ")) }))
         }
     }
@@ -425,6 +434,23 @@ mod tests {
     fn remark(text: &str) -> Result<String, String> {
         let found = site_from_headers(&[&Header::from_text(text)]).map_err(|error| error.to_string())?;
         Ok(found.and_then(|found| found.remark).unwrap_or_default())
+    }
+
+    /// Names of different sites in the headers of the image and of the file are an error, and other positions are stated.
+    #[test]
+    fn valid_sites_of_two_headers_are_compared() {
+        let read = |image: &str, primary: &str| {
+            let [image, primary] = [image, primary].map(Header::from_text);
+            let found = site_from_headers(&[&image, &primary]).map_err(|error| error.to_string())?;
+            Ok::<String, String>(found.and_then(|found| found.remark).unwrap_or_default())
+        };
+        let error = read("TELESCOP= 'VST'", "TELESCOP= 'Subaru'").unwrap_err();
+        assert!(error.contains("TELESCOP \"VST\"") && error.contains("TELESCOP \"Subaru\""), "{error}");
+        assert_eq!(read("TELESCOP= 'Subaru'", "TELESCOP= 'Subaru'"), Ok(String::new()));
+        assert_eq!(read("TELESCOP= 'Subaru'", "TELESCOP= 'my telescope'"), Ok(String::new()));
+        let position = "OBSGEO-B= 30.0\nOBSGEO-L= -110.0\nOBSGEO-H= 1000.0\n";
+        let remark = read(position, &position.replace("30.0", "31.0"));
+        assert!(remark.is_ok_and(|remark| remark.contains("OBSGEO-B is 30 in the header of the image, and 31")));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use hifitime::{Epoch, TimeScale, TimeUnits};
 
 use crate::constants::DAY_S;
 use crate::error::Error;
-use crate::frames::seconds_between;
+use crate::frames::{seconds_after, seconds_between};
 
 use super::super::card::CardValue;
 use super::comment::{AGREED_S, Comment, Role};
@@ -59,6 +59,21 @@ pub struct Start {
     pub slack_s: f64,
     /// Last digit of the seconds as written, seconds.
     pub step_s: f64,
+}
+
+/// Returns the start of an exposure of which an instant is known.
+pub fn start_of(instant: &Instant, duration_s: f64) -> Start {
+    let (back_s, what) = match instant.role {
+        Role::Start => (0.0, ""),
+        Role::Middle => (duration_s / 2.0, " - half of the exposure"),
+        Role::End => (duration_s, " - the exposure"),
+    };
+    let mut epoch = seconds_after(instant.epoch, -back_s);
+    // The end may be on the day after the date of the start.
+    if instant.day.is_some_and(|(midnight, part)| part == Some(Role::Start) && epoch < midnight) {
+        epoch = seconds_after(epoch, DAY_S);
+    }
+    Start { epoch, from: format!("{}{what}", instant.from), slack_s: instant.slack_s, step_s: instant.step_s() }
 }
 
 /// Returns the error of a start that is the same reading of the clock as a local time, unless the zone may be that of

@@ -242,6 +242,11 @@ fn valid_times_of_shutters_and_requests() {
         ("SHUTTIME= 5.0", 5.0, 0),
         // CPAPIR
         ("TEXP    = 20.0 / Exposure time asked for", 20.0, 0),
+        ("TEXP    = 20.0\nEXPTIME = 20.0", 20.0, 0),
+        // GMOS and WIRCam
+        ("EXPTIME = 30.4990820884705\nEXPOSURE= 30.0 / Requested exposure time in seconds", 30.4990820884705, 1),
+        ("EXPOSURE= 30.0 / Requested exposure time in seconds", 30.0, 0),
+        ("EXPTIME = 1.0\nINT-TIME= 6.0 / EXPTIME + reset time", 1.0, 1),
         // The end of MegaPrime and WIRCam is after the readout.
         ("EXPTIME = 20.194\nTELESCOP= 'CFHT 3.6m'\nDATE-END= '2026-08-22T03:16:07.9'", 20.194, 1),
     ] {

@@ -79,7 +79,8 @@ fn an_unknown_width_is_part_of_error_and_limit() {
         let options = MeasureOptions { fit_width, is_seeing_known, ..options() };
         measured(case, &options, optics(&case)).measured
     };
-    let [known, point, unknown] = [(false, true), (true, true), (true, false)].map(|(fit, seeing)| of(case, fit, seeing));
+    let [known, point, unknown] =
+        [(false, true), (true, true), (true, false)].map(|(fit, seeing)| of(case, fit, seeing));
     assert!(!known.is_detected && known.rate.value == unknown.rate.value);
     assert!(known.rate_limit <= point.rate_limit && point.rate_limit < 1.1 * known.rate_limit);
     // A Gaussian streak twice as wide: ρ = √(2 / 5).

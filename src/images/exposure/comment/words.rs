@@ -53,6 +53,7 @@ const OTHER_MEANINGS: &[&str] = &[
     "frame transfer ccd",
     "frame transfer camera",
     "frame transfer exposure",
+    "mean julian",
     "mean solar day",
     "mean solar days",
     "greenwich mean",
