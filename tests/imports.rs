@@ -128,8 +128,8 @@ const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "StdRng",
 ];
 
-/// Functions that open a file for reading. Only `src/input/file.rs` calls them: it rejects devices and pipes, which block
-/// the program or have no end, and bounds the size.
+/// Functions that open a file for reading. Only `src/input/file.rs` calls them: it rejects devices and pipes, which
+/// block the program or have no end, and bounds the size.
 const OPEN_A_FILE: &[&str] = &["File::open(", "fs::read(", "fs::read_to_string(", "from_path(", ".read(true)"];
 
 /// Files that may call these functions.

@@ -214,7 +214,8 @@ fn library() -> (Files, [BTreeSet<Names>; 2]) {
 }
 
 /// Returns the path at which a name is defined, given a path in the code of a module; for a name of another crate, the
-/// name of the crate and `None`; nothing for names that the module neither defines nor imports, such as type parameters.
+/// name of the crate and `None`; nothing for names that the module neither defines nor imports, such as type
+/// parameters.
 fn defined(files: &Files, module: &[String], path: &[String]) -> Option<(Names, Option<Names>)> {
     let supers = path.iter().take_while(|name| *name == "super").count();
     let (start, rest) = match path.first()?.as_str() {

@@ -328,12 +328,15 @@ impl PreparedSky {
         has_rows: bool,
     ) -> Result<Option<String>, Error> {
         let satellites = self.sky.elements().len();
+        let is_propagated = |satellite: &LeftOut| satellite.reason.kind() != ErrorKind::UnknownPosition;
         match left_out.first() {
-            Some(first) if has_rows && left_out.len() == satellites => Ok(Some(format!(
-                "{satellites} of {} cannot be propagated to a part of these times (first reason: {})",
-                warnings::element_sets(satellites),
-                first.reason
-            ))),
+            Some(first) if has_rows && left_out.len() == satellites && left_out.iter().all(is_propagated) => {
+                Ok(Some(format!(
+                    "{satellites} of {} cannot be propagated to a part of these times (first reason: {})",
+                    warnings::element_sets(satellites),
+                    first.reason
+                )))
+            }
             _ => self.left_out_warning(left_out, moment),
         }
     }

@@ -49,7 +49,7 @@ fn parse_piece(text: &str) -> Parsed {
         match broken.take() {
             Some(rejected) => parsed.rejected.push(rejected),
             None if fields.is_empty() => {}
-            // Messages in KVN do not contain the two lines of a TLE.
+            // The two lines of a TLE are user-defined parameters.
             None => fields.finish(opened_at, Checksums::Require, &mut parsed),
         }
         fields.clear();

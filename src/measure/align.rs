@@ -20,8 +20,8 @@ impl Measuring<'_> {
     ///
     /// The search clips pixels at a few sigmas, which makes bright streaks seem wide, with the same light everywhere in
     /// this width. The brightest line is found in the median profile across the track of several parts of the track, by
-    /// a robust line through their peaks. Without such a peak in at least three parts, and in more than half of the parts,
-    /// the position stays the same. Peaks outside of the corridor are of other streaks.
+    /// a robust line through their peaks. Without such a peak in at least three parts, and in more than half of the
+    /// parts, the position stays the same. Peaks outside of the corridor are of other streaks.
     pub(super) fn aligned(&self, found: &Found, extent: &Extent) -> Found {
         let corridor = &self.corridor;
         let cos = corridor.cos();

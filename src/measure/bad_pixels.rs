@@ -20,8 +20,8 @@ const EXPLICIT: &str = "BADPIX";
 const ROWS: usize = 256;
 /// Distance of the pixels whose noise is compared with the scatter of the sky, along rows and columns.
 const NOISE_STEP: usize = 7;
-/// Largest ratio of the noise of a plane to the scatter of the sky that the correlation of pixels explains, as in resampled
-/// frames.
+/// Largest ratio of the noise of a plane to the scatter of the sky that the correlation of pixels explains, as in
+/// resampled frames.
 const MOST_CORRELATION: f64 = 3.0;
 
 /// What the companion planes of a chip state.
@@ -72,7 +72,8 @@ pub(super) fn remove_bad_pixels(
         }
         let count = bad.iter().filter(|is_bad| **is_bad).count();
         let name = format!("HDU {} ({})", companion.hdu, companion.name);
-        // A mask with other numbers than 0 and 1 has bits of unknown meaning. In other planes only good pixels have values.
+        // A mask with other numbers than 0 and 1 has bits of unknown meaning. In other planes only good pixels have
+        // values.
         let (is_unclear, most) = match rule {
             Rule::Bits(..) | Rule::NotZero { is_stated: true } => (false, 1.0),
             Rule::NotZero { is_stated: false } => (!is_boolean, LARGEST_SHARE),
@@ -101,9 +102,9 @@ pub(super) fn remove_bad_pixels(
 /// Compares the noise that a plane states with the scatter of the sky, sets the ratio if it can be used, and returns a
 /// sentence about it; `None` without pixels that have a sky.
 ///
-/// Noise in another unit differs by any factor. In resampled frames the pixels scatter by less than their noise, because
-/// neighbouring ones are correlated: the control fits include this, and where there is no space for them the plane is the
-/// better measure.
+/// Noise in another unit differs by any factor. In resampled frames the pixels scatter by less than their noise,
+/// because neighbouring ones are correlated: the control fits include this, and where there is no space for them the
+/// plane is the better measure.
 pub(super) fn compare_noise(stated: &StatedNoise, background: &mut Background) -> Option<String> {
     let ratios = stated.pixels.iter();
     let ratios: Vec<f64> =
@@ -153,8 +154,8 @@ struct KnownBits {
 /// Bits of cosmic rays, streaks and detected sources, and of pixels with a valid calibration, are left out.
 const KNOWN_BITS: [KnownBits; 5] = {
     // ACS Data Handbook (2022), table 3.4; WFC3 Data Handbook (2024), table 3.3: decoding error, filled, bad, hot, bad
-    // in bias or reference, full well, bad in flat or blob. 2048 is saturation of the converter in ACS and WFC3/UVIS, and
-    // valid light in WFC3/IR; saturated pixels have 256 too.
+    // in bias or reference, full well, bad in flat or blob. 2048 is saturation of the converter in ACS and WFC3/UVIS,
+    // and valid light in WFC3/IR; saturated pixels have 256 too.
     const HST: u64 = 1 | 2 | 4 | 16 | 128 | 256 | 512;
     const HST_WORDS: &str = "bits 1, 2, 4, 16, 128, 256, 512";
     [

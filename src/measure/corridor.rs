@@ -105,6 +105,13 @@ impl Corridor {
         })
     }
 
+    /// Returns the delay of a position of the search, seconds. A shift along the minor axis is the sum of a shift
+    /// across the track and one along the track.
+    pub fn delay_s(&self, late_s: f64, minor_pix: f64) -> f64 {
+        let along = if self.is_along_rows { self.motion[1] } else { self.motion[0] };
+        late_s - minor_pix * along / self.speed_pix_s
+    }
+
     /// Returns the cosine of the angle between the track and the major axis, from 0.7 to 1.
     pub fn cos(&self) -> f64 {
         if self.is_along_rows { self.motion[0].abs() } else { self.motion[1].abs() }

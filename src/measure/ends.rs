@@ -115,9 +115,9 @@ impl Measuring<'_> {
         Ok((bend > 0.0).then(|| variance.sqrt() * noise_ratio))
     }
 
-    /// Fits one of the given ends along the streak, within its error. The sum of squares includes the given position, whose
-    /// error is in units of that of a pixel: ((t - t₀) / σ)² σ_pixel². Where the pixels around the end are masked, the end
-    /// stays near that position.
+    /// Fits one of the given ends along the streak, within its error. The sum of squares includes the given position,
+    /// whose error is in units of that of a pixel: ((t - t₀) / σ)² σ_pixel². Where the pixels around the end are
+    /// masked, the end stays near that position.
     pub(super) fn fit_end(
         &self,
         band: &Band,

@@ -228,9 +228,9 @@ pub fn measure_predictions(
     Ok((passes, done))
 }
 
-/// Returns the optics and the options of a streak. A given width of its image replaces seeing and defocus, and is fitted
-/// only if this is requested by `fit_given`. Without a width and a distance, the width is fitted, and the seeing is its
-/// first estimate.
+/// Returns the optics and the options of a streak. A given width of its image replaces seeing and defocus, and is
+/// fitted only if this is requested by `fit_given`. Without a width and a distance, the width is fitted, and the seeing
+/// is its first estimate.
 fn width_of(
     prediction: &Prediction,
     optics: Optics,
@@ -240,7 +240,7 @@ fn width_of(
     match (prediction.image_fwhm_arcsec, prediction.satellite.range_km) {
         (Some(seeing_arcsec), _) => (
             Optics { seeing_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, ..optics },
-            MeasureOptions { fit_width: fit_given, ..measure },
+            MeasureOptions { fit_width: fit_given, is_seeing_known: true, ..measure },
         ),
         (None, Some(_)) => (optics, measure),
         (None, None) => (optics, MeasureOptions { fit_width: true, ..measure }),
@@ -286,15 +286,7 @@ fn on_sky(
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,
         limit_mag: scale.magnitude(measured.rate_limit).filter(|_| has_limit),
-        // The errors of size and form are proportional to the light, so they do not matter at the threshold.
-        faintest_mag: scale
-            .magnitude(
-                measured.threshold
-                    * (measured.rate.sigma.powi(2) - measured.size_sigma.powi(2) - measured.form_sigma.powi(2))
-                        .max(0.0)
-                        .sqrt(),
-            )
-            .filter(|_| !is_clipped),
+        faintest_mag: scale.magnitude(measured.threshold * measured.noise()).filter(|_| !is_clipped),
         is_calibrated,
         zero_point_mag: scale.zero_point_mag(),
         zero_point_sigma_mag: sigma_mag,

@@ -128,8 +128,8 @@ fn hdus(frame: &TargetFrame) -> Vec<usize> {
     frame.chips.iter().map(|target| target.chip.hdu).collect()
 }
 
-/// Measures streaks of a table in a frame. A streak has at least one row: one for each chip that it reaches, or one with
-/// the reason why it is not measured.
+/// Measures streaks of a table in a frame. A streak has at least one row: one for each chip that it reaches, or one
+/// with the reason why it is not measured.
 ///
 /// `place_sigma_arcsec` is the position error (one sigma) of the ends; three pixels if it is `None`. A streak with an
 /// HDU or a time that is not of the frame has no row; `invalid` gets its error.
@@ -195,7 +195,8 @@ pub fn measure_listed(
             pass.measured.flags.push(Flag::Open);
             pass.measured.flags.sort_unstable();
             if !pass.prediction.has_times && pass.prediction.satellite.norad_id.is_some() {
-                // The light is that of an unknown part of the exposure: it does not give the magnitude of the satellite.
+                // The light is that of an unknown part of the exposure: it does not give the magnitude of the
+                // satellite.
                 (pass.magnitude, pass.limit_mag, pass.faintest_mag) = (None, None, None);
             }
         }
@@ -300,8 +301,8 @@ fn along(streak: &PredictedStreak) -> Vec<PixelPosition> {
     (0..=PARTS).map(|part| streak.path.point_at(time_s(part))).collect()
 }
 
-/// Returns the mean distance of the positions along a streak from the line through another one, of those that are beside
-/// that streak. `None` if none is, or if the streaks have different directions.
+/// Returns the mean distance of the positions along a streak from the line through another one, of those that are
+/// beside that streak. `None` if none is, or if the streaks have different directions.
 fn distance_beside(own: &[PixelPosition], other: &[PixelPosition]) -> Option<f64> {
     /// Sine of the largest angle between streaks beside each other.
     const LARGEST_SINE: f64 = 0.1;

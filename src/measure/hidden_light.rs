@@ -8,8 +8,8 @@ use crate::images::LightArea;
 const NOTHING: f64 = 0.02;
 
 /// Returns the smallest share of a streak's light on pixels with a value, for streaks up to `reach` pixels beside the
-/// drawn one; pixels outside the illuminated area do not count. With `in_lit_columns`, nor do columns of the streak without
-/// any light on such pixels: a part of its length may be hidden.
+/// drawn one; pixels outside the illuminated area do not count. With `in_lit_columns`, nor do columns of the streak
+/// without any light on such pixels: a part of its length may be hidden.
 pub(super) fn least_usable_beside(
     band: &Band,
     template: &[f32],

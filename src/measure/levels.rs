@@ -1,7 +1,8 @@
 //! Levels of the pixels of a chip: the values at which its pixels are cut off, its sky and its noise.
 //!
 //! Noise and stars have ever fewer pixels towards the largest and the smallest value of a frame. Pixels that pile up
-//! exactly there are cut off: by saturation, or because a difference below 0 is no value of a frame of unsigned integers.
+//! exactly there are cut off: by saturation, or because a difference below 0 is no value of a frame of unsigned
+//! integers.
 
 use super::background::median_and_sigma;
 use crate::images::{LightArea, Plane};
@@ -19,14 +20,15 @@ const NEAR_SHARE: f32 = 0.01;
 const LEAST_EMPTY_SHARE: f64 = 0.02;
 /// Smallest ratio of these pixels to those with the next value.
 const LEAST_EMPTY_RATIO: usize = 2;
-/// Smallest number of ends of runs of these pixels along the rows, relative to that of pixels at random positions. Empty
-/// borders of a frame have few runs.
+/// Smallest number of ends of runs of these pixels along the rows, relative to that of pixels at random positions.
+/// Empty borders of a frame have few runs.
 const LEAST_RUNS: f64 = 0.2;
 /// Largest distance of the median sky from these pixels, in its sigma.
 const LARGEST_CUT: f64 = 3.0;
 /// Approximate number of pixels from which sky and noise are computed.
 const SAMPLE: usize = 100_000;
-/// Largest ratio of the variance of the sky to that of its photons by the gain for which the gain is that of other pixels.
+/// Largest ratio of the variance of the sky to that of its photons by the gain for which the gain is that of other
+/// pixels.
 const LEAST_VARIANCE: f64 = 0.01;
 
 /// Levels of the illuminated pixels of a chip.

@@ -6,18 +6,18 @@ use super::fit::{Blocks, combined, fit_blocks};
 use super::measurement::{MeasureOptions, PredictedStreak};
 use super::streak::{Measuring, Shift, profile_of};
 use crate::error::Error;
-use crate::streaks::{Optics, RadialProfile};
+use crate::streaks::{GivenStreak, Optics, RadialProfile};
 
 /// Factor (one sigma) between the seeing and the assumed one, if it is neither given nor fitted.
 const UNKNOWN_SEEING: f64 = 2.0;
-/// Distance, km, and radius, m, of a satellite in low orbit: without a distance, the width of a streak whose seeing is known
-/// differs from the assumed one by as much as that of such a satellite.
+/// Distance, km, and radius, m, of a satellite in low orbit: without a distance, the width of a streak whose seeing is
+/// known differs from the assumed one by as much as that of such a satellite.
 const NEAR_KM: f64 = 550.0;
 const NEAR_RADIUS_M: f64 = 1.0;
 
 impl Measuring<'_> {
-    /// Returns the error (one sigma) of the logarithm of the light that the error of the satellite's size causes. If the
-    /// width is fitted, it stays the same: a smaller size is compensated by a wider seeing.
+    /// Returns the error (one sigma) of the logarithm of the light that the error of the satellite's size causes. If
+    /// the width is fitted, it stays the same: a smaller size is compensated by a wider seeing.
     pub(super) fn size_sigma_ln(
         &self,
         band: &Band,
@@ -52,9 +52,9 @@ impl Measuring<'_> {
         Ok(mean_size(&self.ln_light(&profiles, band, mask, blocks, shift)?))
     }
 
-    /// Returns, for a streak whose width is unknown and not fitted, the error (one sigma) of the logarithm of its light, and
-    /// the factor by which it may be brighter. If the seeing is unknown, the streak may be twice or half as wide; if only
-    /// the distance is, as wide as that of a near satellite.
+    /// Returns, for a streak whose width is unknown and not fitted, the error (one sigma) of the logarithm of its
+    /// light, and the factor by which it may be brighter. If the seeing is unknown, the streak may be twice or half as
+    /// wide; if only the distance is, as wide as that of a near satellite.
     pub(super) fn unknown_width_sigma_ln(
         &self,
         band: &Band,
@@ -63,7 +63,9 @@ impl Measuring<'_> {
         shift: &Shift,
         options: &MeasureOptions,
     ) -> Result<(f64, f64), Error> {
-        let profiles: Vec<RadialProfile> = if options.is_seeing_known {
+        let profiles: Vec<RadialProfile> = if options.is_seeing_known && self.predicted.range_km < GivenStreak::FAR_KM {
+            Vec::new()
+        } else if options.is_seeing_known {
             let (scale_arcsec, aspect) = (self.image.pixel_scale_arcsec, self.image.pixel_aspect);
             self.optics.profile(NEAR_KM, NEAR_RADIUS_M, scale_arcsec, aspect).into_iter().collect()
         } else {
@@ -76,8 +78,8 @@ impl Measuring<'_> {
         Ok((mean_size(&ln_light), ln_light.into_iter().fold(0.0, f64::max).exp()))
     }
 
-    /// Returns the logarithm of the light of streaks with other profiles relative to the light that is measured with the
-    /// assumed profile: -ln ρ with the amplitude ρ of the assumed streak in the light of the other one.
+    /// Returns the logarithm of the light of streaks with other profiles relative to the light that is measured with
+    /// the assumed profile: -ln ρ with the amplitude ρ of the assumed streak in the light of the other one.
     fn ln_light(
         &self,
         profiles: &[RadialProfile],

@@ -66,10 +66,11 @@ pub struct MeasureOptions {
     pub limit_sigmas: f64,
     /// If true, the width is a parameter of the flux fit; otherwise it is the given seeing.
     pub fit_width: bool,
-    /// With `fit_width`: if false, the given seeing is only a guess, and the width of a streak too faint for the fit is unknown
-    /// within a factor of two; if true, only its distance and size are unknown.
+    /// With `fit_width`: if false, the given seeing is only a guess, and the width of a streak too faint for the fit is
+    /// unknown within a factor of two; if true, only its distance and size are unknown.
     pub is_seeing_known: bool,
-    /// Mean distance to the nearest other streak beside this one in a table, pixels. The corridor reaches half-way to it.
+    /// Mean distance to the nearest other streak beside this one in a table, pixels. The corridor reaches half-way to
+    /// it.
     pub neighbour_pix: Option<f64>,
 }
 
@@ -99,11 +100,11 @@ pub enum Flag {
     Blended,
     /// The streak runs along the edge of the image.
     Edge,
-    /// Stars or defects cover more than half of the streak, or of a position at which a streak that was not found may be:
-    /// there is no limit. A streak of a table without any usable pixel is not measured.
+    /// Stars or defects cover more than half of the streak, or of a position at which a streak that was not found may
+    /// be: there is no limit. A streak of a table without any usable pixel is not measured.
     Masked,
-    /// A dark streak is in the corridor, as in a difference of images: a brighter streak would not be found, and there is no
-    /// limit.
+    /// A dark streak is in the corridor, as in a difference of images: a brighter streak would not be found, and there
+    /// is no limit.
     Dark,
     /// The width of the streak differs from the given seeing by more than 20 %: the flux is biased.
     Width,
@@ -165,9 +166,11 @@ pub struct StreakMeasurement {
     pub rate: Estimate,
     /// Part of the error of `rate` that the error of the satellite's size causes.
     pub size_sigma: f64,
-    /// Part of the error of `rate` that the form and the width of the point spread function cause, if others fit better,
-    /// and the accuracy of the fit.
+    /// Part of the error of `rate` that the form and the width of the point spread function cause, if others fit
+    /// better, and the accuracy of the fit.
     pub form_sigma: f64,
+    /// Part of the error of the rate by a width that is neither known nor fitted.
+    pub width_sigma: f64,
     /// Rate that is excluded at the given number of sigmas everywhere in the corridor. It is not a limit with the flags
     /// `Masked`, `Dark`, `Position` and `Clipped`.
     pub rate_limit: f64,
@@ -204,6 +207,13 @@ pub struct StreakMeasurement {
 }
 
 impl StreakMeasurement {
+    /// Returns the error (one sigma) of the rate by the noise: without the parts that are proportional to the light,
+    /// which do not matter at the threshold of detection.
+    pub(super) fn noise(&self) -> f64 {
+        let of_light = [self.size_sigma, self.form_sigma, self.width_sigma].map(|sigma| sigma * sigma);
+        (self.rate.sigma * self.rate.sigma - of_light.iter().sum::<f64>()).max(0.0).sqrt()
+    }
+
     /// Returns both ends of the measured streak in the image, in the order of time.
     pub fn ends_in_frame(&self) -> [PixelPosition; 2] {
         self.inside_s.map(|time_s| self.path.point_at(time_s))

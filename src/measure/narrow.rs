@@ -41,8 +41,8 @@ impl Measuring<'_> {
             let offset_pix = shift.offset_pix + pix(across);
             let tilt_rad = shift.tilt_rad + pix(turn) / half_length_pix;
             let moved = Shift { offset_pix, tilt_rad, ..*shift };
-            // Towards a neighbour the light is that of the neighbour.
-            if offset_pix.abs() > extent.to_neighbour_pix {
+            // Out of the corridor the light is that of a neighbour or a star.
+            if offset_pix.abs() > extent.across_pix {
                 continue;
             }
             let Some(drawn) = self.drawn(band, &moved)? else { continue };

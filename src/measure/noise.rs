@@ -22,9 +22,9 @@ pub(super) const REFINED_FROM: f64 = 3.5;
 /// Factor within which the noise of a plane agrees with the scatter of the sky.
 pub(super) const AGREEMENT: f64 = 1.5;
 
-/// Returns the error of the amplitude by the background: that of control fits, and at least that of the pixels and that of
-/// the noise which a plane states, if it agrees. `noise` is that of a pixel of the sky, and its ratio to the
-/// scatter of the sky.
+/// Returns the error of the amplitude by the background: that of control fits, and at least that of the pixels and that
+/// of the noise which a plane states, if it agrees. `noise` is that of a pixel of the sky, and its ratio to the scatter
+/// of the sky.
 pub(super) fn background_sigma(
     controls: Option<f64>,
     pixel_sigma: f64,
@@ -83,10 +83,10 @@ pub(super) fn controls(
 }
 
 /// Returns the factor by which a fitted flux is multiplied because offset, tilt, and a number of parameters `along` the
-/// streak (the delay if an end of the streak is in the image, or fitted ends) are fitted to the same pixels. Each of these
-/// parameters follows the noise to a position of more light, which increases the flux by the fraction 1 / (2 S²) at a
-/// signal to noise S. For two parameters this is the bias 1 / S² of Portillo, Speagle & Finkbeiner (2020, AJ 159, 165).
-/// The factor is 1 below the signal to noise from which the parameters are fitted.
+/// streak (the delay if an end of the streak is in the image, or fitted ends) are fitted to the same pixels. Each of
+/// these parameters follows the noise to a position of more light, which increases the flux by the fraction 1 / (2 S²)
+/// at a signal to noise S. For two parameters this is the bias 1 / S² of Portillo, Speagle & Finkbeiner (2020, AJ 159,
+/// 165). The factor is 1 below the signal to noise from which the parameters are fitted.
 pub(super) fn without_fit_bias(signal_to_noise: f64, along: usize) -> f64 {
     let parameters = 2.0 + along as f64;
     if signal_to_noise < REFINED_FROM { 1.0 } else { 1.0 - 0.5 * parameters / (signal_to_noise * signal_to_noise) }
@@ -122,8 +122,8 @@ pub(super) fn offset_sigma(
 mod tests {
     use super::*;
 
-    /// Without control fits the noise of a plane counts up to three times the scatter of the pixels, with them up to 1.5
-    /// times.
+    /// Without control fits the noise of a plane counts up to three times the scatter of the pixels, with them up to
+    /// 1.5 times.
     #[test]
     fn verif_the_noise_of_a_plane_is_a_lower_limit() {
         let fits = [BlockFit { weight: 2.0, ..BlockFit::default() }, BlockFit { weight: 2.0, ..BlockFit::default() }];

@@ -67,10 +67,11 @@ pub struct Prediction {
     /// False for a streak of a table without times at its ends: they are those of the shutter if the streak ends in the
     /// frame.
     pub has_times: bool,
-    /// Full width at half maximum of the image of the light, arcsec; `None` for that of the seeing, the distance and the
-    /// size, or a fitted one if the distance is unknown.
+    /// Full width at half maximum of the image of the light, arcsec; `None` for that of the seeing, the distance and
+    /// the size, or a fitted one if the distance is unknown.
     pub image_fwhm_arcsec: Option<f64>,
-    /// Diameter with which the image is drawn, m; `None` if it is unknown, or if the width of the image is given or fitted.
+    /// Diameter with which the image is drawn, m; `None` if it is unknown, or if the width of the image is given or
+    /// fitted.
     pub size_m: Option<f64>,
     /// Mean distance to the nearest other streak beside this one in a table, pixels; `None` for a predicted track.
     pub neighbour_pix: Option<f64>,

@@ -27,8 +27,8 @@ const LEAST_OFFSETS: usize = 20;
 /// Smallest number of pixels along the track.
 const LEAST_PIXELS: f32 = 12.0;
 
-/// The light of a block is clipped to this number of sigmas, so that a star, which lights one or two blocks, contributes
-/// little. A streak whose blocks are all clipped keeps at least the significance `CLIPPED_SIGNIFICANCE`.
+/// The light of a block is clipped to this number of sigmas, so that a star, which lights one or two blocks,
+/// contributes little. A streak whose blocks are all clipped keeps at least the significance `CLIPPED_SIGNIFICANCE`.
 const BLOCK_SIGMAS: f64 = 2.0;
 const CLIPPED_SIGNIFICANCE: f64 = 8.0;
 
@@ -46,9 +46,19 @@ pub struct Extent {
     pub late_s: f64,
     /// Half of the distance to a neighbouring streak, pixels.
     pub to_neighbour_pix: f64,
-    /// Errors (one sigma) of the prediction: of the distance from the predicted track, pixels; of the angle, radians; of
-    /// the time, seconds. Infinite if unknown.
-    pub sigmas: [f64; 3],
+    pub errors: PredictionErrors,
+}
+
+/// Errors (one sigma) of the prediction.
+#[derive(Copy, Clone, Debug)]
+pub struct PredictionErrors {
+    /// Of the distance from the predicted track, pixels, and its change with the delay, pixels per second.
+    pub across_pix: f64,
+    pub drift_pix_s: f64,
+    /// Of the angle, radians; infinite if it is not limited.
+    pub tilt_rad: f64,
+    /// Of the time, seconds.
+    pub late_s: f64,
 }
 
 impl Extent {
@@ -76,7 +86,7 @@ pub struct Found {
 /// Result of a search.
 #[derive(Copy, Clone, Debug)]
 pub struct Search {
-    /// Position with the most significant light.
+    /// Most probable position, by its light and its distance from the prediction.
     pub best: Found,
     /// Position with the most significant lack of light.
     pub darkest: Found,
@@ -86,8 +96,8 @@ pub struct Search {
 struct Sums {
     blocks: usize,
     offsets: usize,
-    /// Light of each block, from index 1 on, for each offset, and the numbers of pixels. After `cumulated`: of all blocks
-    /// before a block, and last of all blocks.
+    /// Light of each block, from index 1 on, for each offset, and the numbers of pixels. After `cumulated`: of all
+    /// blocks before a block, and last of all blocks.
     light: Vec<f32>,
     pixels: Vec<f32>,
     /// Index of the middle of each block on the major axis, relative to the middle of the track.
@@ -97,7 +107,8 @@ struct Sums {
     time_s: Vec<f64>,
 }
 
-/// Returns the most significant positions in the corridor; `None` if no position has enough pixels in the frame.
+/// Returns the most probable position in the corridor, and that with the most significant lack of light; `None` if no
+/// position has enough pixels in the frame.
 pub fn search(
     image: &StreakImage<'_>,
     corridor: &Corridor,
@@ -113,20 +124,28 @@ pub fn search(
 
     let step_s = (STEP_WIDTHS * profile.fwhm_pix()).max(1.0) / corridor.speed_pix_s;
     let windows = sums.windows(&steps(extent.late_s, step_s, MOST_DELAYS), image.exposure_s);
-    let exposed = windows.iter().map(|(_, [from, to])| to - from).max()?;
-    let sums = sums.clipped(BLOCK_SIGMAS.max(CLIPPED_SIGNIFICANCE / (exposed as f64).sqrt())).cumulated();
+    let [from, to] = windows.iter().find(|(late_s, _)| *late_s == 0.0)?.1;
+    let sums = sums.clipped(BLOCK_SIGMAS.max(CLIPPED_SIGNIFICANCE / ((to - from) as f64).sqrt())).cumulated();
 
-    let nominal = sums.significance(0.0, windows.iter().find(|(late_s, _)| *late_s == 0.0)?.1, &filter);
+    let nominal = sums.significance(0.0, [from, to], &filter);
     let nominal_noise = noise(&nominal, half, reach);
     // The most probable position has the largest z² - Σ (x / σ)², with the significance z and the distances x from the
     // prediction. σ contains the rounding to a step of the search, step / √12.
-    let steps = [1.0, STEP_WIDTHS * profile.fwhm_pix().max(1.0) / (0.5 * corridor.len() as f64), step_s];
-    let sigmas = [0, 1, 2].map(|axis| extent.sigmas[axis].hypot(steps[axis] / 12f64.sqrt()));
+    let of_step = |sigma: f64, step: f64| sigma.hypot(step / 12f64.sqrt());
+    let PredictionErrors { across_pix, drift_pix_s, tilt_rad, late_s } = extent.errors;
+    let tilt_step = STEP_WIDTHS * profile.fwhm_pix().max(1.0) / (0.5 * corridor.len() as f64);
+    let tilt_sigma = of_step(tilt_rad, tilt_step);
+    // Where the delay is searched, too, it explains a part of the distance.
+    let is_late_searched = windows.len() > 1;
+    let across_sigma = of_step(if is_late_searched { across_pix } else { across_pix.hypot(late_s * drift_pix_s) }, 1.0);
+    let late_sigma = of_step(late_s, step_s);
     let cos = corridor.cos();
     let score = |found: &Found| {
         let z = found.significance / nominal_noise;
-        let distances = [found.minor_pix * cos, found.slope * cos * cos, found.late_s];
-        z * z.abs() - distances.iter().zip(sigmas).map(|(distance, sigma)| (distance / sigma).powi(2)).sum::<f64>()
+        let late_s = if is_late_searched { corridor.delay_s(found.late_s, found.minor_pix) } else { 0.0 };
+        let across = (found.minor_pix * cos - late_s * drift_pix_s) / across_sigma;
+        let (tilt, late) = (found.slope * cos * cos / tilt_sigma, late_s / late_sigma);
+        z * z.abs() - across * across - tilt * tilt - late * late
     };
     let mut found: Option<Search> = None;
     for slope in &slopes {
@@ -160,8 +179,8 @@ pub fn search(
     })
 }
 
-/// Returns the smallest share of a streak's light that falls on usable pixels, over all positions and angles in the corridor;
-/// pixels outside of the illuminated area do not count.
+/// Returns the smallest share of a streak's light that falls on usable pixels, over all positions and angles in the
+/// corridor; pixels outside of the illuminated area do not count.
 pub fn least_usable_share(
     image: &StreakImage<'_>,
     corridor: &Corridor,
@@ -329,7 +348,8 @@ impl Sums {
 
     /// Clips the light of each block and offset to a number of robust sigmas.
     fn clipped(mut self, sigmas: f64) -> Self {
-        let per_noise = self.light.iter().zip(&self.pixels).filter(|(_, pixels)| **pixels > 0.0);
+        // Parts of a frame may be filled with a constant, whose sums are 0.
+        let per_noise = self.light.iter().zip(&self.pixels).filter(|(light, pixels)| **pixels > 0.0 && **light != 0.0);
         let mut sizes: Vec<f32> = per_noise.map(|(light, pixels)| (light / pixels.sqrt()).abs()).collect();
         if !sizes.is_empty() {
             let middle = sizes.len() / 2;
@@ -375,8 +395,8 @@ impl Sums {
         windows
     }
 
-    /// Returns the mean of the pixels along the track at each offset, NaN where too few pixels are in the frame, and their
-    /// number.
+    /// Returns the mean of the pixels along the track at each offset, NaN where too few pixels are in the frame, and
+    /// their number.
     fn means(&self, slope: f64, [from, to]: [usize; 2]) -> (Vec<f32>, Vec<f32>) {
         let offsets = self.offsets;
         let (mut light, mut pixels) = (vec![0.0f32; offsets], vec![0.0f32; offsets]);

@@ -18,8 +18,8 @@ const CORE_SIGMAS: f64 = 2.0;
 /// Half length of the running median of the streak's light in widths of the streak, and its smallest value in pixels.
 const MEDIAN_WIDTHS: f64 = 4.0;
 const MEDIAN_PIX: usize = 15;
-/// Half length, in widths of the streak, and its smallest value, pixels, of the part of the streak along which the errors
-/// of its model are measured, and distance from its middle to which they are, in widths.
+/// Half length, in widths of the streak, and its smallest value, pixels, of the part of the streak along which the
+/// errors of its model are measured, and distance from its middle to which they are, in widths.
 const ERROR_WIDTHS: f64 = 8.0;
 const ERROR_PIX: usize = 30;
 const ERROR_REACH_WIDTHS: f64 = 3.0;
@@ -61,13 +61,14 @@ impl StarMask {
 ///    than the median's length.
 /// 3. The median of the residuals at each distance across the streak is subtracted, because the profile of the streak
 ///    may differ from the model.
-/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked. On the streak the threshold is
+/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked. On the streak the threshold
+///    is
 ///    not below the usual residuals at the same distance from its middle, which are the errors of the model of a bright
 ///    streak; stars are shorter than the part of the streak in which these are measured.
 /// 5. All pixels within one FWHM of a marked pixel are marked.
 ///
-/// With `keeps_core`, no pixel within 1.5 FWHM of the middle of a bright streak is marked, because the template is not yet
-/// aligned with the streak. The pixels of a faint streak are below the threshold.
+/// With `keeps_core`, no pixel within 1.5 FWHM of the middle of a bright streak is marked, because the template is not
+/// yet aligned with the streak. The pixels of a faint streak are below the threshold.
 pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64, keeps_core: bool) -> StarMask {
     let height = band.height;
     let peak_of = |column: usize| template[column * height..][..height].iter().copied().fold(0.0, f32::max);
@@ -123,8 +124,8 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
     stars
 }
 
-/// Returns the threshold of each pixel near the middle of the streak by the residuals along the streak: the threshold in
-/// sigmas, with the running median of their absolute values at this distance from the middle as a measure of sigma.
+/// Returns the threshold of each pixel near the middle of the streak by the residuals along the streak: the threshold
+/// in sigmas, with the running median of their absolute values at this distance from the middle as a measure of sigma.
 /// 0 where this is the noise `sigma` of the band.
 fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma: f32) -> Vec<f32> {
     let (height, half) = (band.height, band.half());
@@ -156,8 +157,8 @@ fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma
     errors
 }
 
-/// Subtracts the median along the streak at each distance across it. Where the streak ends, it is reduced with the light
-/// of the streak.
+/// Subtracts the median along the streak at each distance across it. Where the streak ends, it is reduced with the
+/// light of the streak.
 fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
     let height = band.height;
     let lit: Vec<usize> = (0..band.len()).filter(|column| peaks[*column] > 0.0).collect();

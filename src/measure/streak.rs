@@ -6,7 +6,7 @@ use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
 use super::hidden_light::{edge_and_hidden_shares, least_usable_beside};
 use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 use super::noise::{CONTROLS_A_SIDE, REFINED_FROM, background_sigma, controls, offset_sigma, without_fit_bias};
-use super::search::{Extent, Found, Search, least_usable_share, search};
+use super::search::{Extent, Found, PredictionErrors, Search, least_usable_share, search};
 use super::stars::{mask_stars, without_streak};
 use crate::error::Error;
 use crate::images::PixelPosition;
@@ -39,20 +39,20 @@ const SATURATED_SHARE: f64 = 0.05;
 /// Share of the length that may be near the edge of the frame, or masked, without a flag.
 const EDGE_SHARE: f64 = 0.1;
 const MASKED_SHARE: f64 = 0.5;
-/// Light within this distance (FWHM) of a position at which less than this share of a streak's light would be on usable pixels may
-/// be the wings of a hidden streak.
+/// Light within this distance (FWHM) of a position at which less than this share of a streak's light would be on usable
+/// pixels may be the wings of a hidden streak.
 const WINGS_WIDTHS: f64 = 3.0;
 const SEEN_SHARE: f64 = 0.1;
 /// Share of a streak's light that must be usable where a part of it is: from the wings alone its light is unknown.
 const CORE_SHARE: f64 = 0.5;
 /// Relative difference of measured and assumed width above which the width is flagged.
 const WIDTH_TOLERANCE: f64 = 0.2;
-/// Number of sigmas by which another width must fit better than the assumed one to be flagged, and another form to be part
-/// of the error.
+/// Number of sigmas by which another width must fit better than the assumed one to be flagged, and another form to be
+/// part of the error.
 const SHAPE_SIGMAS: f64 = 3.0;
 const FORM_SIGMAS: f64 = 1.0;
-/// Accuracy of the fitted light of a bright streak, relative: narrow streaks that are drawn with exactly the assumed point
-/// spread function are off by up to this.
+/// Accuracy of the fitted light of a bright streak, relative: narrow streaks that are drawn with exactly the assumed
+/// point spread function are off by up to this.
 const FIT_ACCURACY: f64 = 0.002;
 /// Half of the blocks of a streak must have light: the median of all blocks must exceed this fraction of the threshold
 /// of detection.
@@ -137,23 +137,28 @@ impl Measuring<'_> {
         /// Largest difference in angle that is searched, for a predicted track and for a streak whose ends are given.
         const LARGEST_TILT_RAD: [f64; 2] = [0.05, 0.2];
         let cross_sigma_pix = self.predicted.cross_sigma_pix;
-        let (tilt_rad, sigmas) = if self.is_given() {
+        let (tilt_rad, errors) = if self.is_given() {
             // The middle and the angle of two ends with independent errors.
             let sigma_rad = 2f64.sqrt() * cross_sigma_pix / (self.corridor.len() as f64);
             let tilt_rad = (ANGLE_ERROR_RAD + options.corridor_sigmas * sigma_rad).min(LARGEST_TILT_RAD[1]);
-            (tilt_rad, [cross_sigma_pix / 2f64.sqrt(), sigma_rad.hypot(ANGLE_ERROR_RAD), f64::INFINITY])
+            let (across_pix, sigma_rad) = (cross_sigma_pix / 2f64.sqrt(), sigma_rad.hypot(ANGLE_ERROR_RAD));
+            (tilt_rad, PredictionErrors { across_pix, drift_pix_s: 0.0, tilt_rad: sigma_rad, late_s: 0.0 })
         } else {
             let tilt_rad = (ANGLE_ERROR_RAD + late_s * drift_rad_s).min(LARGEST_TILT_RAD[0]);
-            let late_sigma_s = self.predicted.lateness_sigma_s.min(self.predicted.largest_delay_s);
-            let across_pix = cross_sigma_pix.hypot(late_sigma_s * (dx * nx + dy * ny));
-            (tilt_rad, [across_pix, f64::INFINITY, late_sigma_s])
+            let errors = PredictionErrors {
+                across_pix: cross_sigma_pix,
+                drift_pix_s: dx * nx + dy * ny,
+                tilt_rad: f64::INFINITY,
+                late_s: self.predicted.lateness_sigma_s.min(self.predicted.largest_delay_s),
+            };
+            (tilt_rad, errors)
         };
         let fwhm_pix = self.profile.fwhm_pix();
         // Two streaks nearer than their width are not resolved.
         let to_neighbour_pix =
             options.neighbour_pix.filter(|pix| *pix >= fwhm_pix).map_or(f64::INFINITY, |pix| 0.5 * pix);
         let across_pix = (across_pix + fwhm_pix).min(options.most_corridor_pix).min(to_neighbour_pix);
-        Extent { across_pix, tilt_rad, late_s, to_neighbour_pix, sigmas }
+        Extent { across_pix, tilt_rad, late_s, to_neighbour_pix, errors }
     }
 
     /// Returns the path of a shifted streak while the shutter is open; `None` if it is too short.
@@ -217,14 +222,12 @@ impl Measuring<'_> {
     fn shift(&self, found: &Found) -> Result<(Shift, usize), Error> {
         let corridor = &self.corridor;
         let cos = corridor.cos();
-        // A shift along the minor axis is the sum of a shift across the track and one along the track.
         let [ex, ey] = corridor.motion;
-        let along = if corridor.is_along_rows { ey } else { ex };
         let sense = if corridor.is_along_rows { ex.signum() } else { ey.signum() };
         let mut shift = Shift {
             offset_pix: found.minor_pix * cos,
             tilt_rad: found.slope * cos * cos * sense,
-            late_s: found.late_s - found.minor_pix * along / corridor.speed_pix_s,
+            late_s: corridor.delay_s(found.late_s, found.minor_pix),
             ends_s: [0.0; 2],
         };
         // Without an end in the image the delay is not measurable, and the predicted time is used.
@@ -244,8 +247,8 @@ impl Measuring<'_> {
         [half_width.ceil() as usize, ((BLOCK_WIDTHS * fwhm).max(LEAST_BLOCK_PIX) * cos) as usize]
     }
 
-    /// Returns true if the median of the blocks of a dark streak is larger than that of the brightest one, which is then
-    /// only the contrast beside the dark streak.
+    /// Returns true if the median of the blocks of a dark streak is larger than that of the brightest one, which is
+    /// then only the contrast beside the dark streak.
     fn is_dark(&self, brightest: &Found, darkest: &Found, extent: &Extent) -> Result<bool, Error> {
         let [half_width, block] = self.block_size(extent);
         let light = |found: &Found| -> Result<Option<f64>, Error> {
@@ -435,17 +438,19 @@ impl Measuring<'_> {
         };
         let along = if self.is_given() { fitted_ends.len() } else { ends.min(1) };
         let rate = amplitude.value * without_fit_bias(signal_to_noise, along);
-        let size_sigma = size_sigma_ln * amplitude.value.abs();
-        let sigma = sigma.hypot(size_sigma).hypot(form_sigma).hypot(width_sigma_ln * amplitude.value.abs());
+        let [size_sigma, width_sigma] = [size_sigma_ln, width_sigma_ln].map(|sigma| sigma * amplitude.value.abs());
+        let sigma = sigma.hypot(size_sigma).hypot(form_sigma).hypot(width_sigma);
         // The light of fitted ends is that of the time between the given ends.
         let (path, longer) = self.within_given_times(&drawn.path)?;
         let inside = missed.map_or_else(|| self.inside(&path), |(_, inside)| inside);
-        let [rate, sigma, size_sigma, form_sigma] = [rate, sigma, size_sigma, form_sigma].map(|light| light * longer);
+        let [rate, sigma, size_sigma, form_sigma, width_sigma] =
+            [rate, sigma, size_sigma, form_sigma, width_sigma].map(|light| light * longer);
         Ok(Some(StreakMeasurement {
             is_detected,
             rate: Estimate { value: rate, sigma },
             size_sigma,
             form_sigma,
+            width_sigma,
             rate_limit: brighter * (rate.max(0.0) + options.limit_sigmas * sigma),
             signal_to_noise,
             significance: found.significance,
@@ -534,8 +539,8 @@ impl Measuring<'_> {
         Ok(combined(&fits).map(|amplitude| amplitude.squares))
     }
 
-    /// Returns the noise of a pixel of the sky along the track that a companion plane states, and its ratio to the scatter
-    /// of the sky.
+    /// Returns the noise of a pixel of the sky along the track that a companion plane states, and its ratio to the
+    /// scatter of the sky.
     fn stated_noise(&self) -> Option<(f64, f64)> {
         let ratio = self.image.background.stated_ratio?;
         Some((ratio * self.sky_noise()?, ratio))
@@ -548,8 +553,8 @@ impl Measuring<'_> {
         (!scatter.is_empty()).then(|| median(scatter))
     }
 
-    /// Returns the noise of the median of a number of pixels of the sky: σ √(π / 2n). The scatter of medians is no measure of it
-    /// in frames with whole numbers, where most medians may be equal.
+    /// Returns the noise of the median of a number of pixels of the sky: σ √(π / 2n). The scatter of medians is no
+    /// measure of it in frames with whole numbers, where most medians may be equal.
     pub(super) fn median_noise(&self, pixels: usize) -> f64 {
         self.sky_noise().map_or(0.0, |sigma| sigma * (std::f64::consts::FRAC_PI_2 / pixels as f64).sqrt())
     }

@@ -317,8 +317,8 @@ pub fn measurement_table(passes: &[MeasuredPass]) -> Table {
     Table::from_records(FIELDS, passes)
 }
 
-/// Returns the table of the streaks of tables: the columns of [`measurement_table`] after the name of each streak and the
-/// probability of its identification. Streaks that are not measured have a flag and empty cells.
+/// Returns the table of the streaks of tables: the columns of [`measurement_table`] after the name of each streak and
+/// the probability of its identification. Streaks that are not measured have a flag and empty cells.
 pub fn listed_table(streaks: &[ListedMeasurement]) -> Table {
     let measured = measurement_table(&[]);
     let mut columns = vec![
@@ -363,9 +363,9 @@ pub struct ScoreObserver {
 /// Returns the measurements in the columns of the SCORE upload format, which `streakcast fit` also reads.
 ///
 /// Streaks that were not found have no magnitude, the limit in `limiting_magnitude` and a comment, as the format
-/// requires for non-detections. Saturated and clipped streaks, satellites of unknown position and instrumental magnitudes are
-/// omitted, and so are streaks of tables that were not found, because their satellite may be elsewhere. The range is that
-/// of the prediction.
+/// requires for non-detections. Saturated and clipped streaks, satellites of unknown position and instrumental
+/// magnitudes are omitted, and so are streaks of tables that were not found, because their satellite may be elsewhere.
+/// The range is that of the prediction.
 pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserver) -> Table {
     let columns = [
         text("satellite_name", ""),

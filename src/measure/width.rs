@@ -87,8 +87,8 @@ impl Measuring<'_> {
         }
     }
 
-    /// Fits the seeing to the width of the streak, sets it, and returns it in arcsec, with the decrease of the sum of the
-    /// squared residuals.
+    /// Fits the seeing to the width of the streak, sets it, and returns it in arcsec, with the decrease of the sum of
+    /// the squared residuals.
     pub fn fit_width(
         &mut self,
         band: &Band,

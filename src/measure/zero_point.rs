@@ -14,8 +14,8 @@ use crate::watch::Watch;
 const APERTURE_WIDTHS: f64 = 2.0;
 const LEAST_APERTURE_PIX: f64 = 3.0;
 const SKY_RADII: [f64; 2] = [2.0, 3.0];
-/// Smallest width of the weights of a centroid, pixels. The centroids of narrower stars with weights as wide as the star
-/// are up to 0.4 pixels from the star, so that it looks wider.
+/// Smallest width of the weights of a centroid, pixels. The centroids of narrower stars with weights as wide as the
+/// star are up to 0.4 pixels from the star, so that it looks wider.
 const LEAST_WEIGHT_PIX: f64 = 3.0;
 /// Smallest signal to noise of a star, expected from its magnitude.
 const LEAST_SIGNAL_TO_NOISE: f64 = 20.0;

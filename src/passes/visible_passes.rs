@@ -162,6 +162,14 @@ pub struct VisiblePasses {
     pub left_out: Vec<LeftOut>,
 }
 
+impl VisiblePasses {
+    /// Returns true if a pass was found, whether or not it is shown.
+    pub fn has_passes(&self) -> bool {
+        let NotShown { in_shadow, too_faint, too_low, .. } = self.not_shown;
+        !self.passes.is_empty() || in_shadow + too_faint + too_low > 0
+    }
+}
+
 /// Result of evaluating one pass.
 enum Outcome {
     Pass(Box<VisiblePass>),
@@ -325,7 +333,8 @@ impl Search<'_> {
             horizon.intervals((span.from_s, until_s), self.request.min_altitude_rad, &treatment)?;
         kept.extend((0..in_shadow).map(|_| Outcome::InShadow));
         for above in intervals {
-            kept.extend(self.pass(element_index, &horizon, span, &above)?);
+            let span = Span { from_s: span.from_s, until_s, dark_s: span.dark_s.clone() };
+            kept.extend(self.pass(element_index, &horizon, &span, &above)?);
         }
         match decay_s {
             // The error of the decay.

@@ -720,8 +720,8 @@ fn control_characters_of_files_are_escaped_for_people() {
     fails(&[POINTING, SITE, &["--shells", "x\u{1b}[2J"]], &["x\\u{1b}[2J"]);
 }
 
-/// An exposure whose name begins with `#` is read if the name is quoted, and written so that it can be read again. Without
-/// quotation marks it is a comment, of which a warning tells.
+/// An exposure whose name begins with `#` is read if the name is quoted, and written so that it can be read again.
+/// Without quotation marks it is a comment, of which a warning tells.
 #[test]
 fn names_that_begin_like_comments() {
     let folder = TempDir::new().unwrap();

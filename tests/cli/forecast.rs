@@ -131,8 +131,8 @@ fn verif_filters_omit_only_the_specified_passes() {
     assert_eq!(shown.len(), probable.len());
     assert_eq!(bright["night"][0]["passes_too_faint"].as_u64().unwrap() as usize, all.len() - shown.len());
     assert_eq!(number(&bright["night"][0]["expected_brighter"]), expected);
-    // Extinction makes all of them fainter, most near the horizon, and is the same for an explicit value. Twilight makes
-    // some of them improbable.
+    // Extinction makes all of them fainter, most near the horizon, and is the same for an explicit value. Twilight
+    // makes some of them improbable.
     let above = found(&["--max-mag", "5.5", "--min-p-brighter", "0", "--sort", "time", "--no-atmosphere"]);
     let above = above["passes"].as_array().unwrap();
     let magnitude = |pass: &Value| pass["peak_magnitude"].as_f64();

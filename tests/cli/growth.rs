@@ -26,8 +26,8 @@ fn written(folder: &TempDir, name: &str, text: &str) -> String {
     path(folder, name)
 }
 
-/// Returns a schedule of two nights at Cerro Pachon, with the rows of the second night first and an invalid row between.
-/// UTC of both nights is partly of the same date.
+/// Returns a schedule of two nights at Cerro Pachon, with the rows of the second night first and an invalid row
+/// between. UTC of both nights is partly of the same date.
 fn schedule(nights: &[&str]) -> String {
     let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
     for (number, dates) in nights.iter().enumerate() {
@@ -139,7 +139,8 @@ fn rows_in_any_order_have_the_satellites_of_their_period() {
     assert_eq!(satellites, [4408, 4408 + 6372].map(serde_json::Value::from).iter().collect::<Vec<_>>());
 }
 
-/// Requests that are computed with one period state it if another one begins in them; `statistics` has that of each night.
+/// Requests that are computed with one period state it if another one begins in them; `statistics` has that of each
+/// night.
 #[test]
 fn verbs_with_one_sky_warn_of_another_period() {
     let folder = tempfile::tempdir().unwrap();

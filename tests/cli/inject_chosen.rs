@@ -388,7 +388,8 @@ fn verif_labels_contain_the_streaks() {
                 }
             }
         }
-        // A Moffat profile has some per cent of its light beyond its full width at half maximum, and a streak that leaves the frame more.
+        // A Moffat profile has some per cent of its light beyond its full width at half maximum, and a streak that
+        // leaves the frame more.
         for sum in inside {
             assert!(sum > 0.85 * all && sum < all, "{number}: {sum} of {all}");
         }

@@ -189,7 +189,8 @@ fn verif_an_image_draws_streaks_of_its_shape_with_all_of_their_light() {
     assert!(frame.added(&["--psf", &fine, "--psf-oversampling", "2"]) != found);
 }
 
-/// A streak is on its line wherever the star is in its image, of an odd or even number of pixels, also with an oversampling.
+/// A streak is on its line wherever the star is in its image, of an odd or even number of pixels, also with an
+/// oversampling.
 #[test]
 fn verif_the_centroid_of_an_image_is_on_the_line() {
     let frame = Frame::new();

@@ -56,7 +56,8 @@ fn verif_body_table() {
     assert!(mean.contains("# model: ") && !mean.contains("earthshine"), "{}", &mean[..400]);
     let sunlight = output(&[BODY, &["--no-earthshine", "--format", "csv"]]);
     assert!(sunlight.contains("# earthshine: \"off\"") && rows != self::rows(&sunlight));
-    // Where no lit panel is visible, the satellite is a diffuse body; sunlight on the panels alone is fainter than that.
+    // Where no lit panel is visible, the satellite is a diffuse body; sunlight on the panels alone is fainter than
+    // that.
     assert!(rows[1..].iter().all(|row| row[2].parse::<f64>().unwrap() < 20.0));
     assert!(self::rows(&sunlight)[1..].iter().any(|row| row[2].parse::<f64>().is_ok_and(|magnitude| magnitude > 30.0)));
 }

@@ -323,8 +323,8 @@ fn invalid_input_is_named() {
     assert!(code == 2 && stderr.contains("missing frames"), "{stderr}");
 }
 
-/// One of several frames whose pixels, mask or band cannot be used is left out like one that cannot be opened. Alone it is
-/// an error.
+/// One of several frames whose pixels, mask or band cannot be used is left out like one that cannot be opened. Alone it
+/// is an error.
 #[test]
 fn frames_that_fail_while_they_are_measured_are_left_out() {
     use std::path::Path;
@@ -415,8 +415,8 @@ fn frames_below_the_horizon_and_by_day_have_a_warning() {
     }
 }
 
-/// Without a given site, all frames of a run are at one site. Frames of another one, of no site, and of years without an
-/// ephemeris are left out by `measure`, and an error of `mask`.
+/// Without a given site, all frames of a run are at one site. Frames of another one, of no site, and of years without
+/// an ephemeris are left out by `measure`, and an error of `mask`.
 #[test]
 fn frames_of_another_site_or_century_are_named() {
     let folder = TempDir::new().unwrap();

@@ -209,8 +209,8 @@ fn wide(folder: &TempDir, name: &str, start: &str) -> (String, Vec<csv::StringRe
     (frame, records(&fs::read_to_string(truth).unwrap()))
 }
 
-/// Rows without a measurement or a satellite are left out by the verbs that read tables of `measure --streaks`, and what
-/// is unknown about a satellite is not stated.
+/// Rows without a measurement or a satellite are left out by the verbs that read tables of `measure --streaks`, and
+/// what is unknown about a satellite is not stated.
 #[test]
 fn tables_of_measured_streaks_serve_the_other_verbs() {
     let folder = TempDir::new().unwrap();
@@ -289,8 +289,8 @@ fn given_widths_are_used_as_they_are() {
     assert_eq!(measured(",range_km,size_m", ",900,3", &["--seeing", "90arcsec"]).2, Some(3.0));
 }
 
-/// Noise planes are a lower limit of the errors if they agree with the scatter of the sky; masks of known instruments and
-/// inverse variances of 0 remove pixels.
+/// Noise planes are a lower limit of the errors if they agree with the scatter of the sky; masks of known instruments
+/// and inverse variances of 0 remove pixels.
 #[test]
 fn verif_planes_of_noise_and_quality_are_used() {
     use streakcast::images::{Header, ImageValues, NewImage, Pixels, write_frame};

@@ -208,7 +208,8 @@ fn the_passes_of_a_night_equal_forecast() {
     }
 }
 
-/// Nights are named by the civil date of their evening, also beyond the date line, and a change of the clocks is stated.
+/// Nights are named by the civil date of their evening, also beyond the date line, and a change of the clocks is
+/// stated.
 #[test]
 fn nights_and_offsets_are_those_of_the_time_zone() {
     let site = |lat: &str, lon: &str, zone: &str| {

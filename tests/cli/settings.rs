@@ -281,8 +281,8 @@ fn targets_have_the_units_of_their_columns() {
     assert_eq!(expected, targets("name,ra_hourangle,dec_arcmin,exposure_min\na,18.8,-1800,5\n"));
 }
 
-/// The height of the limb of a telescope in orbit has no effect if a flag gives a site, and a limit may be written as on
-/// the command line.
+/// The height of the limb of a telescope in orbit has no effect if a flag gives a site, and a limit may be written as
+/// on the command line.
 #[test]
 fn a_file_of_a_telescope_in_orbit_serves_a_site_and_limits_may_be_text() {
     let folder = TempDir::new().unwrap();

@@ -498,8 +498,8 @@ fn old_elements_of_the_telescope_are_no_clear_exposures() {
     assert!(answer["windows"].as_array().unwrap().is_empty() && stderr.contains("of the telescope 90001"), "{stderr}");
 }
 
-/// The verbs of frames and streaks state that the position of the telescope is unknown, by the rule of `flag`: after two
-/// days a field of 0.1 deg is too small.
+/// The verbs of frames and streaks state that the position of the telescope is unknown, by the rule of `flag`: after
+/// two days a field of 0.1 deg is too small.
 #[test]
 fn frames_of_a_telescope_of_unknown_position_have_a_warning() {
     let folder = TempDir::new().unwrap();

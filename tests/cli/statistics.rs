@@ -96,8 +96,8 @@ fn a_schedule_of_other_nights_gives_a_note() {
     assert_eq!(answer["reproduced"].as_array().unwrap().len(), 3);
 }
 
-/// Warnings of all nights are printed, the first and the last of those that differ only in numbers, and the number of the
-/// others.
+/// Warnings of all nights are printed, the first and the last of those that differ only in numbers, and the number of
+/// the others.
 #[test]
 fn every_night_has_its_warnings() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../tests/data/elements/sample.2le");

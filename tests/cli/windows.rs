@@ -329,8 +329,8 @@ fn satellites_beyond_the_ends_of_the_range_may_be_late() {
     assert!(long.len() > 2, "{long:?}");
     let mut cut = 0;
     for pair in long.windows(2) {
-        // The range ends 1 s after a window, and another one begins 1 s before the next window: the satellite in between is
-        // predicted outside both.
+        // The range ends 1 s after a window, and another one begins 1 s before the next window: the satellite in
+        // between is predicted outside both.
         let ends = [seconds_after(pair[0].1, 60.0 + 1.0), seconds_after(pair[1].0, -1.0)];
         for (first, last) in windows(from, ends[0]).into_iter().chain(windows(ends[1], to)) {
             // Windows of parts of the range are inside those of the whole range.

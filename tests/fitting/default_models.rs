@@ -8,8 +8,8 @@
 //! The log score is the mean logarithm of the probability density of the residuals, mag⁻¹. The density is that of
 //! `ErrorDistribution::SATELLITES` with the median and the sigma of the other folds. All means are weighted by group.
 //!
-//! `cargo test --test fitting -- --ignored write_models` fits the models to all points of the surveys and writes the model
-//! files; `fit run` gives the same parameters.
+//! `cargo test --test fitting -- --ignored write_models` fits the models to all points of the surveys and writes the
+//! model files; `fit run` gives the same parameters.
 //!
 //! Requires the data folder; skipped with a message without it.
 

@@ -44,8 +44,8 @@ const ANGLES: [Angle; 3] = [
     |point| point.geometry.phase_angle_rad(),
 ];
 
-/// Returns the predictions of models that were fitted without regions. Regions of the largest phase angles are omitted for
-/// models with a forward lobe, for which another rule applies. The weights of a kind sum to 1.
+/// Returns the predictions of models that were fitted without regions. Regions of the largest phase angles are omitted
+/// for models with a forward lobe, for which another rule applies. The weights of a kind sum to 1.
 fn predictions(data: &Path) -> Vec<Outside> {
     let mut all = Vec::new();
     for survey in &SURVEYS {

@@ -111,8 +111,8 @@ fn chips_are_frames_and_planes_belong_to_their_chip() {
     assert_eq!((found.frames.as_slice(), found.companions[0].of), (&[1][..], Some(1)));
 }
 
-/// Masks without world coordinates belong to the chip of their number, of their EXTVER or of their place in the file; those
-/// for which nothing decides are named.
+/// Masks without world coordinates belong to the chip of their number, of their EXTVER or of their place in the file;
+/// those for which nothing decides are named.
 #[test]
 fn planes_without_coordinates_belong_to_a_chip_or_are_named() {
     let version = |number: i64, text: String| format!("{text}EXTVER  = {number}\n");

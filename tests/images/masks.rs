@@ -241,7 +241,8 @@ fn compare(sky: &Sky, frame: &TargetFrame, sums: &mut Sums) {
         let errors: Vec<(i32, usize)> = steps.flat_map(|step| (0..2).map(move |end| (step, end))).collect();
         let of_step = |(step, end): &(i32, usize)| {
             let across_rad = streak.across_rad * f64::from(*step) / f64::from(SIDE_STEPS);
-            // The track is that of a satellite on time, whose streak begins or ends by the largest delay earlier or later.
+            // The track is that of a satellite on time, whose streak begins or ends by the largest delay earlier or
+            // later.
             drawn_on_time((streak, frame, &interval), streak.late_s[*end], across_rad, *bright_mag).lit
         };
         let mut lit: Vec<(usize, usize)> = errors.par_iter().flat_map_iter(of_step).collect();

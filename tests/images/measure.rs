@@ -363,8 +363,8 @@ fn cell(signal_to_noise: f64, seeing_pix: f64, stars_per_megapixel: f64, count: 
     (0..count).into_par_iter().map(|number| measured(case(number), &options(), optics(&case(number)))).collect()
 }
 
-/// Prints the share of fluxes within one sigma, with its binomial error, and the share with the flag `width`, by density
-/// of stars, seeing and signal to noise. The share of each row must be that of one sigma.
+/// Prints the share of fluxes within one sigma, with its binomial error, and the share with the flag `width`, by
+/// density of stars, seeing and signal to noise. The share of each row must be that of one sigma.
 #[test]
 #[ignore = "some 6,000 streaks"]
 fn coverage_of_many() {
@@ -589,8 +589,8 @@ fn verif_streaks_much_wider_than_the_seeing_are_measured() {
     }
 }
 
-/// Bright streaks that the mask of the frame covers are neither found nor excluded, and dark streaks are not found in the
-/// contrast beside them.
+/// Bright streaks that the mask of the frame covers are neither found nor excluded, and dark streaks are not found in
+/// the contrast beside them.
 #[test]
 fn verif_hidden_and_dark_streaks_have_no_limit() {
     let light_area = LightArea::whole(ROWS, COLUMNS);
@@ -960,7 +960,8 @@ fn given_streaks_beside_each_other_do_not_take_the_same_light() {
     }
 }
 
-/// Given ends are fitted where the light of a bright streak ends, and stay near the given position if bad pixels hide it.
+/// Given ends are fitted where the light of a bright streak ends, and stay near the given position if bad pixels hide
+/// it.
 #[test]
 fn verif_given_ends_of_bright_streaks_are_where_their_light_ends() {
     /// Largest error of an end, and of one that bad pixels hide, pixels. The error of the given ends is 3 pixels.

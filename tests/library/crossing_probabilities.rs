@@ -138,8 +138,8 @@ fn verif_probabilities_of_station_keeping_satellites() {
     compare("station keeping, 7 d", &exposures, &field, sums(&found), skies.iter());
 }
 
-/// Streak lengths in a field as sums over the possible positions of the satellites, with elements of a day, a week and three
-/// weeks.
+/// Streak lengths in a field as sums over the possible positions of the satellites, with elements of a day, a week and
+/// three weeks.
 ///
 /// Tolerances: 6 % of the sum, and a correlation of 0.95 between exposures, for steps of a second, in which a satellite
 /// moves by up to 1 deg.

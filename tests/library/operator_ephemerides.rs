@@ -854,8 +854,8 @@ fn only_the_usable_interval_of_an_oem_is_used() {
     assert!(error.contains("USEABLE_START_TIME is \"2024-08-14\""), "{error}");
 }
 
-/// Returns the segments of one message, each with some minutes of the states of `whole` (two minutes apart) as they are,
-/// or of a later orbit.
+/// Returns the segments of one message, each with some minutes of the states of `whole` (two minutes apart) as they
+/// are, or of a later orbit.
 fn segments(set: &ElementSet, whole: &[&Ephemeris], minutes: &[[usize; 2]]) -> Vec<Arc<Ephemeris>> {
     let mut text = String::new();
     for (whole, [from, to]) in whole.iter().zip(minutes) {
@@ -868,8 +868,8 @@ fn segments(set: &ElementSet, whole: &[&Ephemeris], minutes: &[[usize; 2]]) -> V
     read("segments.oem", &text).expect("readable").ephemerides
 }
 
-/// Adjoining and overlapping segments of a message are used without a hole, also for exposures across their ends; a time
-/// between segments that neither covers is not.
+/// Adjoining and overlapping segments of a message are used without a hole, also for exposures across their ends; a
+/// time between segments that neither covers is not.
 #[test]
 fn segments_of_a_satellite_are_used_without_a_hole() {
     let start = utc("2026-04-26T00:00:00 UTC");
@@ -941,8 +941,8 @@ fn contradictory_segments_are_named() {
     assert_eq!(index.contradictory_ephemerides(), [0]);
 }
 
-/// Several ephemerides are used for an interval only if they agree wherever positions change from one to another: here the
-/// preferred one from 80 to 120 min is of another orbit, while those from 0 to 140 and from 140 to 180 min agree.
+/// Several ephemerides are used for an interval only if they agree wherever positions change from one to another: here
+/// the preferred one from 80 to 120 min is of another orbit, while those from 0 to 140 and from 140 to 180 min agree.
 #[test]
 fn ephemerides_must_agree_where_they_are_exchanged() {
     let start = utc("2026-04-26T00:00:00 UTC");

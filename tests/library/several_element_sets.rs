@@ -168,8 +168,8 @@ fn verif_a_manoeuvre_between_the_sets() {
     }
 }
 
-/// A V2 Mini in strong drag, or a Direct-to-Cell, that has arrived at its height: its mean motion lags behind, n₀ + 0.45 d
-/// ṅ/2. A set after the exposures says nothing of a change before them.
+/// A V2 Mini in strong drag, or a Direct-to-Cell, that has arrived at its height: its mean motion lags behind, n₀ +
+/// 0.45 d ṅ/2. A set after the exposures says nothing of a change before them.
 #[test]
 fn verif_mean_motion_after_a_change_of_the_orbit() {
     const RATE: f64 = 6e-4;
@@ -231,8 +231,8 @@ fn verif_rate_of_a_lowered_satellite() {
     assert!((gained - RATE * (9.0 - 0.72 * 3.0)).abs() < 0.03 * RATE * 9.0, "{gained}");
 }
 
-/// The mean motion increases as by the published drag: the satellite does not cancel it. Direct-to-Cell satellites do at
-/// any drag.
+/// The mean motion increases as by the published drag: the satellite does not cancel it. Direct-to-Cell satellites do
+/// at any drag.
 #[test]
 fn verif_a_coasting_satellite_has_its_published_drag() {
     for (name, rate, expected) in [

@@ -76,8 +76,8 @@ fn valid_directions_from_orbit_against_skyfield() {
     assert_eq!(rows, 60);
 }
 
-/// Tolerance of the angles of pointings, degrees: light time and aberration of the Sun (20") are in Skyfield's direction
-/// of the Sun and not in ours, and the limb is sampled at 20,000 points.
+/// Tolerance of the angles of pointings, degrees: light time and aberration of the Sun (20") are in Skyfield's
+/// direction of the Sun and not in ours, and the limb is sampled at 20,000 points.
 const ANGLE_DEG: f64 = 0.006;
 
 #[test]
@@ -101,8 +101,8 @@ fn valid_angles_of_pointings_against_skyfield() {
     }
 }
 
-/// The verdicts of exposures that break a limit are invalid, also if they do so only at closing; windows contain exactly
-/// the starts of exposures that break none and that no satellite crosses.
+/// The verdicts of exposures that break a limit are invalid, also if they do so only at closing; windows contain
+/// exactly the starts of exposures that break none and that no satellite crosses.
 #[test]
 fn verif_limits_of_verdicts_and_windows() {
     let mut random = Random(19);
@@ -631,8 +631,8 @@ fn no_position_is_interpolated_from_a_wrong_state() {
     }
 }
 
-/// The telescope is recognised by its orbit, whatever the number of its ephemeris or element set is: it does not cross its
-/// own field, and a satellite that has its number is searched.
+/// The telescope is recognised by its orbit, whatever the number of its ephemeris or element set is: it does not cross
+/// its own field, and a satellite that has its number is searched.
 #[test]
 fn the_telescope_is_recognised_by_its_orbit() {
     let (mut random, start) = (Random(19), midnight());

@@ -107,12 +107,12 @@ fn cells(starts: &[u32], before: &[u32], ages: &[u32]) -> Cells {
     cells
 }
 
-/// Largest difference of the share within one sigma from 68 %. The days of June 2026 differ by 8 % (standard deviation of
-/// the class VisorSat, V2 Mini), because the satellites of a day have a common error, and July was stormier.
+/// Largest difference of the share within one sigma from 68 %. The days of June 2026 differ by 8 % (standard deviation
+/// of the class VisorSat, V2 Mini), because the satellites of a day have a common error, and July was stormier.
 const INSIDE_TOLERANCE: f64 = 0.08;
 
-/// Requires that 68 % of the delays are within a limit, and that one sigma contains about 68 %, with a tolerance of three
-/// sigma of the sampling error.
+/// Requires that 68 % of the delays are within a limit, and that one sigma contains about 68 %, with a tolerance of
+/// three sigma of the sampling error.
 fn check(cells: &mut Cells, key: (StarlinkClass, MeanMotion, u32), limit_s: f64) {
     let cell = cells.get_mut(&key).expect("pairs of this class and age");
     let count = cell.ours_s.len() as f64;
@@ -190,7 +190,8 @@ fn valid_lateness_with_an_older_element_set() {
     assert!(ours_s < 0.5 * published_s, "{ours_s} s, published {published_s} s");
 }
 
-/// Element sets of 3, 7 and 14 days before, without the shells of a catalogue. The mean motions of four sets agree, or not.
+/// Element sets of 3, 7 and 14 days before, without the shells of a catalogue. The mean motions of four sets agree, or
+/// not.
 #[test]
 fn valid_lateness_of_single_satellites_with_four_element_sets() {
     if crate::common::data_dir().is_none() {
@@ -233,8 +234,8 @@ impl Tenth {
         (self.stated / self.passes, self.crossed / self.passes)
     }
 
-    /// Returns the error of the observed fraction, one sigma: that from the scatter of the groups, or the binomial one if
-    /// that is larger.
+    /// Returns the error of the observed fraction, one sigma: that from the scatter of the groups, or the binomial one
+    /// if that is larger.
     fn scatter(&self) -> f64 {
         let (stated, _) = self.stated_and_observed();
         let binomial = (stated * (1.0 - stated) / self.passes).sqrt();
@@ -275,8 +276,9 @@ type Predicted = (ElementSet, OrbitModel);
 /// Returns the stated probabilities and the truth for crossings of random fields by one satellite, for each of several
 /// predictions. The truth is that of the element set `truth`, at its epoch. `None` if its position is unknown.
 ///
-/// The site is near the point below the satellite. The fields of a prediction are at positions that the satellite reaches
-/// within its delays and half a minute. They must not depend on other predictions, which know more about the truth.
+/// The site is near the point below the satellite. The fields of a prediction are at positions that the satellite
+/// reaches within its delays and half a minute. They must not depend on other predictions, which know more about the
+/// truth.
 fn random_fields(
     truth: &ElementSet,
     predictions: &[Predicted],
@@ -325,8 +327,8 @@ fn random_fields(
     Some(predictions.iter().map(passes_of).map(Option::unwrap_or_default).collect())
 }
 
-/// Returns the tenths of random fields at the epochs of every `stride`-th element set of a night for several selections of
-/// element sets: those of 1 to 14 days before, and others of some days before these. A group is one satellite.
+/// Returns the tenths of random fields at the epochs of every `stride`-th element set of a night for several selections
+/// of element sets: those of 1 to 14 days before, and others of some days before these. A group is one satellite.
 fn reliability<const N: usize>(night: u32, stride: usize, selections: [&[u32]; N]) -> [Tenths; N] {
     let mut draws = Random(u64::from(night));
     let (eop, models) = (EopTable::embedded(), ModelChoice::default());
@@ -370,8 +372,8 @@ fn reliability<const N: usize>(night: u32, stride: usize, selections: [&[u32]; N
     all
 }
 
-/// Stated probabilities of crossings, in tenths, compared with the fraction that crossed according to later element sets
-/// at their epochs.
+/// Stated probabilities of crossings, in tenths, compared with the fraction that crossed according to later element
+/// sets at their epochs.
 ///
 /// Tolerance: 5 %, and three sigma of the sampling error.
 #[test]
@@ -442,8 +444,9 @@ fn reliability_of_many_fields() {
 /// One of so many satellites is in the table of reliability.
 const RELIABILITY_STRIDE: usize = 2;
 
-/// Prints the lateness of even catalogue numbers with element sets of 8 to 29 June and those of 7 days before, as CSV for
-/// `tests/reference/calibrate_starlink_lateness.py`. Satellites without sets of 3, 7 and 14 days before are left out.
+/// Prints the lateness of even catalogue numbers with element sets of 8 to 29 June and those of 7 days before, as CSV
+/// for `tests/reference/calibrate_starlink_lateness.py`. Satellites without sets of 3, 7 and 14 days before are left
+/// out.
 #[test]
 #[ignore = "writes the data of a calibration"]
 fn lateness_of_even_numbers() {

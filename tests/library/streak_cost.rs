@@ -140,8 +140,8 @@ fn verif_costs_of_a_night_with_real_satellites() {
 
     // A limit fainter than all satellites costs each exposure that one crosses for certain.
     let limited = judge(0.08, &Policy::limit_mag(30.0));
-    // Satellites of unknown brightness, and those in the Earth's shadow only at the nearest point, are brighter as well.
-    // With elements twelve days old, many satellites have no nominal pass.
+    // Satellites of unknown brightness, and those in the Earth's shadow only at the nearest point, are brighter as
+    // well. With elements twelve days old, many satellites have no nominal pass.
     let late = exposures(&sky, Epoch::from_gregorian_utc(2026, 5, 6, 23, 0, 0, 0), 11.0 * 3600.0, 300);
     let request = FlagRequest { policy: &Policy::limit_mag(30.0), ..request };
     let of_late = judge_exposures(&late.iter().collect::<Vec<_>>(), &request).expect("verdicts").flags;
@@ -198,8 +198,8 @@ fn verif_exposures_that_cannot_be_judged_have_no_cost() {
     assert_eq!((old.kind, old.streak_cost_s), (VerdictKind::Unknown, None));
 }
 
-/// The cost of a delayed start is an upper limit for all shutter openings within the margin, with each kind of limit, and
-/// for exposures that are shorter than the margin.
+/// The cost of a delayed start is an upper limit for all shutter openings within the margin, with each kind of limit,
+/// and for exposures that are shorter than the margin.
 #[test]
 fn valid_costs_of_delayed_starts_are_upper_limits() {
     let start = Epoch::from_gregorian_utc(2026, 4, 24, 23, 30, 0, 0);

@@ -215,8 +215,8 @@ impl Engine {
 
     /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid, 4 unknown), `n_streaks`,
     /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`,
-    /// `elements_age_days`, `late_s`, `streak_cost_s`. Numbers out of range are an error, or make the verdict `invalid` if
-    /// `keep_invalid`.
+    /// `elements_age_days`, `late_s`, `streak_cost_s`. Numbers out of range are an error, or make the verdict `invalid`
+    /// if `keep_invalid`.
     #[pyo3(signature = (exposures, bands, keep_invalid=false))]
     fn judge<'py>(
         &self,
@@ -248,8 +248,8 @@ impl Engine {
         Ok((result, warnings))
     }
 
-    /// Returns verdicts with reasons and the next clear start, with the columns of `streakcast flag`. For a telescope in
-    /// orbit without a longest delay, later starts are searched if `seeks_starts`.
+    /// Returns verdicts with reasons and the next clear start, with the columns of `streakcast flag`. For a telescope
+    /// in orbit without a longest delay, later starts are searched if `seeks_starts`.
     #[pyo3(signature = (exposures, bands, seeks_starts=false, keep_invalid=false))]
     fn flags<'py>(
         &self,
@@ -269,8 +269,8 @@ impl Engine {
         Ok((columns(py, &flag_table(&flags))?, warnings))
     }
 
-    /// Writes a copy of a schedule file with verdicts and streaks, as `streakcast annotate`. `scale` is the time scale of
-    /// bare numbers in the file. Returns the paths of the written files.
+    /// Writes a copy of a schedule file with verdicts and streaks, as `streakcast annotate`. `scale` is the time scale
+    /// of bare numbers in the file. Returns the paths of the written files.
     #[pyo3(signature = (schedule, output, scale=None, replace=false))]
     fn annotate(
         &self,

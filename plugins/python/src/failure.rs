@@ -125,8 +125,8 @@ pub fn without_lock_or_watch<T: Send + 'static>(
     py.detach(move || result_of(&receiver, None))
 }
 
-/// Waits for the result of work in another thread. If a signal handler raises an exception, the watch is stopped; without
-/// a watch the exception is returned at once.
+/// Waits for the result of work in another thread. If a signal handler raises an exception, the watch is stopped;
+/// without a watch the exception is returned at once.
 fn result_of<T>(receiver: &Receiver<thread::Result<PyResult<T>>>, watch: Option<&Watch>) -> PyResult<T> {
     let mut raised = None;
     let result = loop {

@@ -10,8 +10,8 @@ use crate::columns::columns;
 use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
 
-/// Masks the file in the request. Returns `masks`, a dictionary of boolean arrays by the numbers of their HDUs, `streaks`
-/// and `left_out` as columns, `summary`, `remarks` and `warnings`.
+/// Masks the file in the request. Returns `masks`, a dictionary of boolean arrays by the numbers of their HDUs,
+/// `streaks` and `left_out` as columns, `summary`, `remarks` and `warnings`.
 #[pyfunction]
 pub fn mask<'py>(
     py: Python<'py>,

@@ -86,8 +86,8 @@ impl Nights {
         self.passes.rows.extend(passes.rows.into_iter().map(|row| [vec![night.into()], row].concat()));
         self.nights.columns = night_row.columns;
         self.nights.rows.extend(night_row.rows);
-        let has_rows = !found.found.passes.is_empty();
-        let left_out = prepared.left_out_warning_of_times(&found.found.left_out, request.start, has_rows);
+        let has_passes = found.found.has_passes();
+        let left_out = prepared.left_out_warning_of_times(&found.found.left_out, request.start, has_passes);
         let left_out = left_out.map_err(failure::setup)?;
         let warnings = [
             left_out,

@@ -283,13 +283,11 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
         "adu/photo",
         "count/photo",
         "counts/photo",
-        "fromelectron",
-        "frome-",
     ]
     .iter()
     .any(|words| joined.contains(words));
-    // ESO's "Conversion from electrons to ADU" is a number of counts per electron; "e- to ADU conversion" may be
-    // either.
+    // "Conversion from electrons to ADU" is a number of counts per electron in raw frames of ESO, and of electrons per count
+    // in reduced ones.
     let is_either = ["adu", "dn", "count"].iter().any(|count| {
         ["electronsto", "electronto", "e-to"].iter().any(|from| joined.contains(&format!("{from}{count}")))
     });

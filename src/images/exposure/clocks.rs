@@ -12,14 +12,15 @@ use super::start_doubts::{START_SLACK_S, Start, comments_of, start_of, states_st
 /// Time by which a clock of the telescope, or the command to open the shutter, may be before the start, seconds.
 pub const LOOSE_START_S: f64 = 10.0;
 
-/// Time by which a time of day that is not stated to be that of the start may be before a stated start (GSAOI and Flamingos-2
-/// of Gemini), seconds.
+/// Time by which a time of day that is not stated to be that of the start may be before a stated start (GSAOI and
+/// Flamingos-2 of Gemini), seconds.
 pub const UNSTATED_START_S: f64 = 25.0;
 
 /// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
 pub const READOUT_S: f64 = 60.0;
 
-/// Differences that may be those of time zones: multiples of half an hour from one hour on, within some minutes, seconds.
+/// Differences that may be those of time zones: multiples of half an hour from one hour on, within some minutes,
+/// seconds.
 const ZONE_STEP_S: f64 = 1800.0;
 const ZONE_SLACK_S: f64 = 120.0;
 
@@ -30,8 +31,8 @@ const LABELLED_S: f64 = 120.0;
 const PART_SLACK_S: f64 = 0.5;
 
 /// Replaces a start by a later one within seconds that is the opening of the shutter, or whose name states the start if
-/// that of the first clock does not: the first one is the time of the command (SHUTOPEN beside UTC-OBS at the CFHT, UTSTART
-/// beside TIME-OBS at Gemini).
+/// that of the first clock does not: the first one is the time of the command (SHUTOPEN beside UTC-OBS at the CFHT,
+/// UTSTART beside TIME-OBS at Gemini).
 pub fn use_stated(keywords: Keywords<'_>, instants: &Instants, start: &mut Start) {
     if start.step_s == 0.0 || is_shutter(&start.from) {
         return;
@@ -73,9 +74,9 @@ pub fn use_finer(instants: &Instants, start: &mut Start, duration_s: f64) {
     }
 }
 
-/// Returns true if a number of days, or a clock of the telescope such as UT, differs from a start with which more clocks
-/// and ends agree than with the other one, as in headers of Gemini. Differences by time zones, by half of the exposure or
-/// by all of it, which may be those of another meaning, are never outvoted.
+/// Returns true if a number of days, or a clock of the telescope such as UT, differs from a start with which more
+/// clocks and ends agree than with the other one, as in headers of Gemini. Differences by time zones, by half of the
+/// exposure or by all of it, which may be those of another meaning, are never outvoted.
 pub fn is_outvoted(
     keywords: Keywords<'_>,
     instants: &Instants,
@@ -131,8 +132,8 @@ pub fn is_outvoted(
     is_universal && votes > instants.found.iter().filter(agrees_with_other).count()
 }
 
-/// Returns true if an end is before the start, and another end fits the start, or the end is a time of day and another clock
-/// agrees with the start: it is the end of the exposure before, or a copy of the start.
+/// Returns true if an end is before the start, and another end fits the start, or the end is a time of day and another
+/// clock agrees with the start: it is the end of the exposure before, or a copy of the start.
 pub fn is_end_of_other(instants: &Instants, start: &Start, end: &Instant, duration_s: f64) -> bool {
     let late_s = |instant: &Instant| seconds_between(start.epoch, start_of(instant, duration_s).epoch);
     let agrees = |other: &Instant| match other.role {

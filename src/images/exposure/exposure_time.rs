@@ -173,8 +173,8 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
     Ok(is_confirmed)
 }
 
-/// Adds a sentence about a keyword, or the keyword to the same sentence about others. The texts after one keyword and after
-/// several are given.
+/// Adds a sentence about a keyword, or the keyword to the same sentence about others. The texts after one keyword and
+/// after several are given.
 fn state(remarks: &mut Vec<String>, before: &str, name: &str, [after_one, after_several]: [&str; 2]) {
     let end_of = |remark: &String| {
         let names = remark.strip_prefix(before)?;

@@ -35,8 +35,8 @@ pub const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-STAR
 /// Keywords with the Julian date of the start.
 pub const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];
 
-/// Keywords of the start that contain a date, a Julian date or a time of day. FRAME is that of Andor's cameras, and DATE-HP
-/// DATE-OBS with more digits (MaxIm DL).
+/// Keywords of the start that contain a date, a Julian date or a time of day. FRAME is that of Andor's cameras, and
+/// DATE-HP DATE-OBS with more digits (MaxIm DL).
 pub const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "EXP-STRT", "SHUT-OPEN", "FRAME", "DATE-HP"];
 
 /// Keywords of dates that are used only if no other keyword gives the start.
@@ -75,8 +75,8 @@ pub const ENDS: &[&str] = &[
 /// an exposure time is far too short.
 pub const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UTC-STOP", "TIME-STOP", "TM-END"];
 
-/// Returns true for a keyword of the start whose name states that it is that of the start, such as DATE-BEG, UT-START and
-/// SHUT-OPEN.
+/// Returns true for a keyword of the start whose name states that it is that of the start, such as DATE-BEG, UT-START
+/// and SHUT-OPEN.
 pub fn names_start(keyword: &str) -> bool {
     ["BEG", "STR", "START", "OPEN"].iter().any(|part| keyword.contains(part))
 }

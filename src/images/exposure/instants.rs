@@ -661,8 +661,8 @@ fn is_day_number(number: f64) -> bool {
     (51_544.0..88_069.0).contains(&number) || (2_451_544.5..2_488_069.5).contains(&number)
 }
 
-/// Returns the error of a number of days in single precision, days: half of its spacing, or the last digit of a number such
-/// as 56990.8984375, which is that of 56990.9 and perhaps cut; 0 for other numbers.
+/// Returns the error of a number of days in single precision, days: half of its spacing, or the last digit of a number
+/// such as 56990.8984375, which is that of 56990.9 and perhaps cut; 0 for other numbers.
 fn single_precision(number: f64, text: &str) -> f64 {
     let decimals = |text: &str| text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     let single = number as f32;

@@ -2,9 +2,9 @@
 //!
 //! `moment` finds values by their many keywords and parses dates and times, and `comment` reads what the comments of
 //! cards state. `instants` reads starts, middles and ends by the lists in `instant_keywords`, `length` the exposure
-//! time, `stacks` numbers of added exposures, `relative` times since a reference, `scale` the time scale. `exposure_time` compares
-//! them, `clocks` chooses between clocks that differ, and `start_doubts` has the cards that cast doubt on the start. `calibration` reads zero point, gain,
-//! read noise and band, and `observatory` the site.
+//! time, `stacks` numbers of added exposures, `relative` times since a reference, `scale` the time scale.
+//! `exposure_time` compares them, `clocks` chooses between clocks that differ, and `start_doubts` has the cards that
+//! cast doubt on the start. `calibration` reads zero point, gain, read noise and band, and `observatory` the site.
 
 mod calibration;
 mod clocks;

@@ -320,8 +320,8 @@ impl<'a> Keywords<'a> {
         texts
     }
 
-    /// Returns a sentence about a keyword that has different values in the headers, of which the first is used. A date may
-    /// be without its time in one of them.
+    /// Returns a sentence about a keyword that has different values in the headers, of which the first is used. A date
+    /// may be without its time in one of them.
     pub fn difference(self, keyword: &str) -> Option<String> {
         let value = |header: &&Header| match (header.number(keyword), header.text(keyword)) {
             (Some(number), _) => Some(number.to_string()),

@@ -255,8 +255,8 @@ fn candidates(name: &str) -> Vec<&'static Site> {
     }
 }
 
-/// Returns a sentence about what gives no site: a telescope in orbit, or the latitude and the longitude in keywords that
-/// no standard defines, which are not used without the name of a site; `None` if the headers have neither.
+/// Returns a sentence about what gives no site: a telescope in orbit, or the latitude and the longitude in keywords
+/// that no standard defines, which are not used without the name of a site; `None` if the headers have neither.
 pub fn unused_coordinates(headers: &[&Header]) -> Option<String> {
     let keywords = Keywords(headers);
     let telescope = keywords.text(&["TELESCOP"]).map(|(_, name)| name).unwrap_or_default();
@@ -436,7 +436,8 @@ mod tests {
         Ok(found.and_then(|found| found.remark).unwrap_or_default())
     }
 
-    /// Names of different sites in the headers of the image and of the file are an error, and other positions are stated.
+    /// Names of different sites in the headers of the image and of the file are an error, and other positions are
+    /// stated.
     #[test]
     fn valid_sites_of_two_headers_are_compared() {
         let read = |image: &str, primary: &str| {

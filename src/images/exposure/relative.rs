@@ -56,8 +56,13 @@ pub fn relative_instants(keywords: Keywords<'_>, scale: TimeScale) -> Vec<(Epoch
         let unit_s = times.unit_s.filter(|_| keywords.number(CLOCK_CORRECTIONS, |_| true).is_none())?;
         let zero = epoch_from_mjd(reference(keywords)?, scale).ok()?;
         let shift = keywords.number(&["TIMEZERO"], |_| true).map_or(0.0, |(_, shift, _)| shift);
-        let at = |number: f64| seconds_after(zero, (number + shift) * unit_s);
-        Some(vec![(at(times.start), START, Role::Start), (at(times.stop), STOP, Role::End)])
+        // Three thousand years
+        const MOST_S: f64 = 1e11;
+        let at = |number: f64| {
+            let seconds = (number + shift) * unit_s;
+            (seconds.abs() < MOST_S).then(|| seconds_after(zero, seconds))
+        };
+        Some(vec![(at(times.start)?, START, Role::Start), (at(times.stop)?, STOP, Role::End)])
     };
     found().unwrap_or_default()
 }

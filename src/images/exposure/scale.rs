@@ -60,6 +60,10 @@ pub fn timesys(keywords: Keywords<'_>) -> Option<(String, String)> {
 
 /// Returns the name of a time scale without its realisation, as in `TT(TAI)`, and without `approximate` (NOAO).
 pub fn scale_name(value: &str) -> String {
-    let name = value.split('(').next().unwrap_or_default().trim().to_ascii_uppercase();
+    let (before, note) = value.split_once('(').unwrap_or((value, ""));
+    // "UTC (+7 h)" is no UTC.
+    let is_shift = |pair: &[u8]| matches!(pair[0], b'+' | b'-') && (pair[1].is_ascii_digit() || pair[1] == b' ');
+    let is_shifted = note.as_bytes().windows(2).any(is_shift);
+    let name = if is_shifted { value } else { before }.trim().to_ascii_uppercase();
     name.strip_suffix(APPROXIMATE).unwrap_or(&name).trim_end().to_owned()
 }

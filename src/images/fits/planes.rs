@@ -430,7 +430,11 @@ impl Image {
         let by_name = || only(&|frame| !frame.name.is_empty() && has_name(frame));
         let by_number = || only(&|frame| number(&frame.name).is_some() && number(&frame.name) == number(&self.name));
         // As many planes of this content as frames have their order.
+        let is_numbered = number(&self.name).is_some() && same.iter().all(|frame| number(&frame.name).is_some());
         let by_order = || {
+            if is_numbered {
+                return None;
+            }
             let is_alike = |plane: &Self| plane.size == self.size && stem(&plane.name) == stem(&self.name);
             let mut alike: Vec<&Self> = planes.iter().map(|(plane, _)| plane).filter(|plane| is_alike(plane)).collect();
             alike.sort_by_key(|plane| (plane.version, plane.hdu));

@@ -10,8 +10,8 @@ const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
 /// dusk.
 pub const SKY: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
 
-/// Returns true if this process and therefore the programs that it starts ignore a signal, as under `nohup`. Prints that
-/// the signal is skipped.
+/// Returns true if this process and therefore the programs that it starts ignore a signal, as under `nohup`. Prints
+/// that the signal is skipped.
 #[cfg(unix)]
 pub fn is_ignored(signal: &str, number: u32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

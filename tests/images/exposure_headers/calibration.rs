@@ -152,7 +152,6 @@ fn verif_settings_of_cameras_are_no_gains() {
 fn verif_gains_of_cameras_and_inverse_gains() {
     let gain = |cards: &str| Calibration::from_headers(&[&Header::from_text(cards)]);
     for (cards, e_adu) in [
-        ("GAIN    = 0.5 / Conversion from electrons to ADU", 2.0),
         ("GAIN    = 0.5 / Conversion from ADUs to electrons", 0.5),
         ("GAIN    = 1.5 / [e-] gain", 1.5),
         ("GAIN    = 70.0 / [e-/ADU]", 70.0),
@@ -167,6 +166,7 @@ fn verif_gains_of_cameras_and_inverse_gains() {
     }
     for cards in [
         "GAIN    = 100000 / [electrons]",
+        "GAIN    = 1.36 / Conversion from electrons to ADU",
         "GAIN    = 1\nINSTRUME= 'Moravian Instruments C3-61000'",
         "GAIN    = 5\nINSTRUME= 'SV605CC'",
         "GAIN    = 10\nINSTRUME= 'Vespera Pro'",

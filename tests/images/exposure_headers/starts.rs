@@ -526,7 +526,8 @@ fn valid_clocks_of_gemini_and_cfht() {
     }
 }
 
-/// A late end within a minute is stated if it is that of the observation, by its comment or at the CFHT; factors are errors.
+/// A late end within a minute is stated if it is that of the observation, by its comment or at the CFHT; factors are
+/// errors.
 #[test]
 fn valid_ends_of_observations() {
     let at = "DATE-OBS= '2020-02-02T00:03:34.047'\n";
@@ -591,4 +592,17 @@ fn comments_in_the_primary_header_count() {
     );
     let found = found.expect("a time");
     assert_eq!((found.start_from.as_str(), found.duration_s), ("DATE-OBS", 30.0));
+}
+
+/// Times since a reference far from all times are left out, and a scale with a shift is no UTC.
+#[test]
+fn invalid_references_and_scales() {
+    let at = "DATE-OBS= '2026-08-22T03:15:00'\n";
+    for cards in ["TSTART  = 10.0\nTSTOP   = 40.0\nTIMEZERO= 1E308", "TSTART  = 1E30\nTSTOP   = 2E30"] {
+        begins(&format!("{at}{cards}\nMJDREF  = 50000.0\n{LENGTH}"), "2026-08-22T03:15:00", "DATE-OBS");
+    }
+    for scale in ["UTC (+7 h)", "UTC(-7)", "UTC+8"] {
+        assert!(time(&format!("{at}TIMESYS = '{scale}'\n{LENGTH}")).is_err(), "{scale}");
+    }
+    begins(&format!("{at}TIMESYS = 'UTC(NIST)'\n{LENGTH}"), "2026-08-22T03:15:00", "DATE-OBS");
 }

@@ -32,8 +32,8 @@ fn verif_an_unknown_seeing_of_faint_streaks_is_part_of_the_error() {
     }
 }
 
-/// In frames of whole numbers medians of pixels are often equal, so that their scatter is no measure of the noise. A width
-/// from the noise would halve the flux of faint streaks.
+/// In frames of whole numbers medians of pixels are often equal, so that their scatter is no measure of the noise. A
+/// width from the noise would halve the flux of faint streaks.
 #[test]
 fn verif_faint_streaks_in_whole_numbers_are_measured_whole() {
     const COUNT: usize = 96;
@@ -70,8 +70,8 @@ fn verif_faint_streaks_are_found_among_many_stars() {
     assert!(found >= FOUND && elsewhere <= 0.03, "{found} {elsewhere}");
 }
 
-/// A streak of known seeing without a distance is not as uncertain as one of unknown seeing, and its limit is nearly that of
-/// a known width.
+/// A streak of known seeing without a distance is not as uncertain as one of unknown seeing, and its limit is nearly
+/// that of a known width.
 #[test]
 fn an_unknown_width_is_part_of_error_and_limit() {
     let case = Case { signal_to_noise: 0.0, ..cases_at(8.0, 0.0, 1)[0] };
@@ -82,11 +82,36 @@ fn an_unknown_width_is_part_of_error_and_limit() {
     let [known, point, unknown] =
         [(false, true), (true, true), (true, false)].map(|(fit, seeing)| of(case, fit, seeing));
     assert!(!known.is_detected && known.rate.value == unknown.rate.value);
-    assert!(known.rate_limit <= point.rate_limit && point.rate_limit < 1.1 * known.rate_limit);
+    // The distance is known, so that only the seeing can be unknown.
+    assert_eq!(known.rate_limit, point.rate_limit);
+    let far = Optics { outer_radius_m: 4.0, ..optics(&case) };
+    let of_far = |fit_width: bool| {
+        let Scene { plane, mut predicted, .. } = scene(case);
+        predicted.range_km = 1e9;
+        let options = MeasureOptions { fit_width, is_seeing_known: true, ..options() };
+        measure(&plane, &LightArea::whole(ROWS, COLUMNS), &predicted, &far, &options).unwrap()
+    };
+    // A mirror of 8 m is out of focus by 3 arcsec at 550 km.
+    assert!(of_far(true).rate_limit > 1.05 * of_far(false).rate_limit);
     // A Gaussian streak twice as wide: ρ = √(2 / 5).
     let ratio = unknown.rate_limit / known.rate_limit;
     assert!(ratio > 1.4 && ratio < 2.5, "{ratio}");
     let case = Case { signal_to_noise: 8.0, ..case };
     let [known, unknown] = [true, false].map(|seeing| of(case, true, seeing).rate.sigma);
     assert!(unknown > 1.5 * known, "{unknown} {known}");
+}
+
+/// A frame of which more than half is filled with a constant has streaks, too.
+#[test]
+fn verif_streaks_in_partly_empty_frames_are_found() {
+    let case = Case { angle_deg: 3.0, ..cases_at(40.0, 0.0, 1)[0] };
+    let Scene { mut plane, predicted, truth, .. } = scene(case);
+    // The streak is near the middle of the frame.
+    for row in (0..ROWS).filter(|row| row.abs_diff(ROWS / 2) > 60) {
+        for column in 0..COLUMNS {
+            plane.values_mut()[row * COLUMNS + column] = 0.0;
+        }
+    }
+    let one = measure(&plane, &LightArea::whole(ROWS, COLUMNS), &predicted, &optics(&case), &options()).unwrap();
+    assert!(one.is_detected && (one.rate.value / truth - 1.0).abs() < 0.15, "{one:?} {truth}");
 }

@@ -18,8 +18,8 @@ fn pixels(picture: &Picture) -> RgbImage {
     image
 }
 
-/// Returns the texts of an SVG file, one per line. The file must be well-formed, and no text may be cut off at the right
-/// edge. A character of the font is wider than half of the font size on average.
+/// Returns the texts of an SVG file, one per line. The file must be well-formed, and no text may be cut off at the
+/// right edge. A character of the font is wider than half of the font size on average.
 fn words(picture: &Picture) -> Vec<String> {
     let text = picture.to_svg().unwrap();
     let mut reader = quick_xml::Reader::from_str(&text);

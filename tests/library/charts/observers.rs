@@ -136,8 +136,8 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     has(&chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(), &["+0°02′", "not visible"]);
 }
 
-/// The caption explains the band with its smallest and largest width, and the line is dashed where the geometry is outside
-/// that of the fitted measurements.
+/// The caption explains the band with its smallest and largest width, and the line is dashed where the geometry is
+/// outside that of the fitted measurements.
 #[test]
 fn verif_a_light_curve_explains_its_band() {
     let n = 101;

@@ -157,8 +157,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
             counted(found.unknown(), "selected satellite", "selected satellites")
         ));
     }
-    let has_rows = !found.found.passes.is_empty();
-    let warning = prepared.left_out_warning_of_times(&found.found.left_out, from, has_rows)?;
+    let warning = prepared.left_out_warning_of_times(&found.found.left_out, from, found.found.has_passes())?;
     notices.list_left_out(warning, &found.found.left_out);
     if of_all || found.unknown() > 0 {
         notices.warn(&prepared.unknown_part_warning(from, to));

@@ -163,8 +163,8 @@ fn row_of(
     ]
 }
 
-/// Nights of a table, named by the date of their evening, in a time zone if one is given. A night lasts from noon to noon, in
-/// local mean time of the site, or in UTC if there is no site.
+/// Nights of a table, named by the date of their evening, in a time zone if one is given. A night lasts from noon to
+/// noon, in local mean time of the site, or in UTC if there is no site.
 pub struct Nights {
     /// Night of each row; `None` if the row has no time.
     pub of_rows: Vec<Option<String>>,

@@ -11,7 +11,7 @@ use streakcast::elements::Deployment;
 use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
 use streakcast::output::Provenance;
-use streakcast::passes::{PassOptions, Sky};
+use streakcast::passes::{PassOptions, Sky, VisiblePasses};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, Verdict, evening_mjd};
 
@@ -209,6 +209,17 @@ impl RequestState {
     pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
         self.prepared.check_known(first, last, None)?;
         self.caveats_of_verdict(first, last, left_out)
+    }
+
+    /// Returns the caveats of passes, which may be those before the decay of the only satellite.
+    ///
+    /// # Errors
+    /// No satellite has a position, or positions are unknown.
+    pub fn caveats_of_passes(&self, first: Epoch, last: Epoch, found: &VisiblePasses) -> Result<Caveats, Problem> {
+        self.prepared.check_known(first, last, None)?;
+        let left_out = self.prepared.left_out_warning_of_times(&found.left_out, first, found.has_passes())?;
+        let warnings = self.prepared.warnings_at(first, last).into_iter().chain(left_out).collect();
+        Ok(Caveats { warnings, left_out_count: found.left_out.len() })
     }
 
     /// Returns the caveats of a response with a verdict, which states whether positions are unknown.

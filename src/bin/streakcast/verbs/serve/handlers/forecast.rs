@@ -77,7 +77,7 @@ fn compute(state: &RequestState, mean_night: String, max_mag: Option<f64>, sampl
         let request = ForecastRequest { samples, ..request.clone() };
         found.found.passes = of(&request, &Selection { norad_ids, ..selection.clone() })?.found.passes;
     }
-    let mut caveats = state.caveats_at(request.start, request.end, &found.found.left_out)?;
+    let mut caveats = state.caveats_of_passes(request.start, request.end, &found.found)?;
     caveats.warnings.extend(found.prior_warning(state.sky(), request.max_magnitude));
     caveats.warnings.extend(found.fitted_range_warning());
     caveats.warnings.extend(state.prepared().unknown_part_warning(request.start, request.end));
