@@ -16,9 +16,9 @@ const NEAR_KM: f64 = 550.0;
 const NEAR_RADIUS_M: f64 = 1.0;
 
 impl Measuring<'_> {
-    /// Returns the error (one sigma) of the logarithm of the light that the error of the satellite's size causes. If
+    /// Returns the relative error (one sigma) of the light that the error of the satellite's size causes. If
     /// the width is fitted, it stays the same: a smaller size is compensated by a wider seeing.
-    pub(super) fn size_sigma_ln(
+    pub(super) fn size_share(
         &self,
         band: &Band,
         mask: &[bool],
@@ -49,13 +49,13 @@ impl Measuring<'_> {
             }
             profiles.push(other);
         }
-        Ok(mean_size(&self.ln_light(&profiles, band, mask, blocks, shift)?))
+        Ok(mean_difference(&self.responses(&profiles, band, mask, blocks, shift)?))
     }
 
-    /// Returns, for a streak whose width is unknown and not fitted, the error (one sigma) of the logarithm of its
-    /// light, and the factor by which it may be brighter. If the seeing is unknown, the streak may be twice or half as
+    /// Returns, for a streak whose width is unknown and not fitted, the relative error (one sigma) of its light,
+    /// and the factor by which it may be brighter. If the seeing is unknown, the streak may be twice or half as
     /// wide; if only the distance is, as wide as that of a near satellite.
-    pub(super) fn unknown_width_sigma_ln(
+    pub(super) fn unknown_width_share(
         &self,
         band: &Band,
         mask: &[bool],
@@ -74,13 +74,13 @@ impl Measuring<'_> {
             let factors = [1.0 / UNKNOWN_SEEING, UNKNOWN_SEEING].into_iter();
             factors.filter_map(|factor| profile_of(self.image, self.predicted, &with(factor)).ok()).collect()
         };
-        let ln_light = self.ln_light(&profiles, band, mask, blocks, shift)?;
-        Ok((mean_size(&ln_light), ln_light.into_iter().fold(0.0, f64::max).exp()))
+        let responses = self.responses(&profiles, band, mask, blocks, shift)?;
+        Ok((mean_difference(&responses), responses.into_iter().fold(1.0, f64::min).recip()))
     }
 
-    /// Returns the logarithm of the light of streaks with other profiles relative to the light that is measured with
-    /// the assumed profile: -ln ρ with the amplitude ρ of the assumed streak in the light of the other one.
-    fn ln_light(
+    /// Returns the light that is measured with the assumed profile, relative to the true one, of streaks with other
+    /// profiles: the amplitude ρ of the assumed streak in the light of the other one.
+    fn responses(
         &self,
         profiles: &[RadialProfile],
         band: &Band,
@@ -99,7 +99,7 @@ impl Measuring<'_> {
                 .filter(|(_, value)| value.is_nan())
                 .for_each(|(light, _)| *light = f32::NAN);
             let measured = combined(&fit_blocks(band, &light, mask, &assumed.template, 0, blocks));
-            all.extend(measured.filter(|measured| measured.value > 0.0).map(|measured| -measured.value.ln()));
+            all.extend(measured.map(|measured| measured.value).filter(|response| *response > 0.0));
         }
         Ok(all)
     }
@@ -129,7 +129,7 @@ impl Measuring<'_> {
     }
 }
 
-/// Returns the mean of the absolute values, and 0 without values.
-fn mean_size(values: &[f64]) -> f64 {
-    values.iter().map(|value| value.abs()).sum::<f64>() / (values.len() as f64).max(1.0)
+/// Returns the mean of |1 - ρ|, and 0 without values.
+fn mean_difference(responses: &[f64]) -> f64 {
+    responses.iter().map(|response| (1.0 - response).abs()).sum::<f64>() / (responses.len() as f64).max(1.0)
 }

@@ -22,9 +22,9 @@ pub(super) const REFINED_FROM: f64 = 3.5;
 /// Factor within which the noise of a plane agrees with the scatter of the sky.
 pub(super) const AGREEMENT: f64 = 1.5;
 
-/// Returns the error of the amplitude by the background: that of control fits, and at least that of the pixels and that
-/// of the noise which a plane states, if it agrees. `noise` is that of a pixel of the sky, and its ratio to the scatter
-/// of the sky.
+/// Returns the error of the amplitude by the background: that of control fits or, without these, of the pixels, and at
+/// least that of the noise which a plane states, if it agrees. `noise` is that of a pixel of the sky, and its ratio to
+/// the scatter of the sky.
 pub(super) fn background_sigma(
     controls: Option<f64>,
     pixel_sigma: f64,
@@ -32,7 +32,7 @@ pub(super) fn background_sigma(
     (fits, blocks): (&[BlockFit], &Blocks),
 ) -> f64 {
     let weight: f64 = fits.iter().map(|fit| fit.weight).sum();
-    let measured = controls.map_or(pixel_sigma, |sigma| pixel_sigma.max(sigma / weight.sqrt()));
+    let measured = controls.map_or(pixel_sigma, |sigma| sigma / weight.sqrt());
     match noise {
         Some((sigma, ratio)) if pixel_sigma.is_finite() && (controls.is_none() || ratio <= AGREEMENT) => {
             // σ² = σ_pixel² Σ w² m² / (Σ w m²)² with the weights w of the blocks

@@ -50,7 +50,7 @@ const WIDTH_TOLERANCE: f64 = 0.2;
 /// Number of sigmas by which another width must fit better than the assumed one to be flagged, and another form to be
 /// part of the error.
 const SHAPE_SIGMAS: f64 = 3.0;
-const FORM_SIGMAS: f64 = 1.0;
+const FORM_SIGMAS: f64 = 2.0;
 /// Accuracy of the fitted light of a bright streak, relative: narrow streaks that are drawn with exactly the assumed
 /// point spread function are off by up to this.
 const FIT_ACCURACY: f64 = 0.002;
@@ -429,16 +429,15 @@ impl Measuring<'_> {
         let missed = predicted.as_ref().and_then(|path| Some((path, self.times_inside(path)?)));
         let (of_length, inside) = missed.unwrap_or((&drawn.path, inside));
         let length_pix = of_length.point_at(inside[0]).distance(of_length.point_at(inside[1]));
-        let size_sigma_ln =
-            if is_detected { self.size_sigma_ln(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
-        let (width_sigma_ln, brighter) = if options.fit_width && given_width {
-            self.unknown_width_sigma_ln(&band, &stars.mask, &blocks, &shift, options)?
+        let size_share = if is_detected { self.size_share(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
+        let (width_share, brighter) = if options.fit_width && given_width {
+            self.unknown_width_share(&band, &stars.mask, &blocks, &shift, options)?
         } else {
             (0.0, 1.0)
         };
         let along = if self.is_given() { fitted_ends.len() } else { ends.min(1) };
         let rate = amplitude.value * without_fit_bias(signal_to_noise, along);
-        let [size_sigma, width_sigma] = [size_sigma_ln, width_sigma_ln].map(|sigma| sigma * amplitude.value.abs());
+        let [size_sigma, width_sigma] = [size_share, width_share].map(|sigma| sigma * amplitude.value.abs());
         let sigma = sigma.hypot(size_sigma).hypot(form_sigma).hypot(width_sigma);
         // The light of fitted ends is that of the time between the given ends.
         let (path, longer) = self.within_given_times(&drawn.path)?;
