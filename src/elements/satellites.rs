@@ -48,7 +48,7 @@ pub enum Keep {
 /// ISS (ZARYA)
 /// 1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999
 /// 2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097
-/// 1 a broken line
+/// 1 25545U 98067B   26189.734
 /// ";
 /// let catalogue = Satellites::from_bytes("iss.txt", text.as_bytes(), &ReadOptions::default())?;
 /// assert_eq!(catalogue.element_sets[0].norad_id, NoradId(25544));

@@ -286,7 +286,7 @@ fn on_sky(
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,
         limit_mag: scale.magnitude(measured.rate_limit).filter(|_| has_limit),
-        faintest_mag: scale.magnitude(measured.threshold * measured.noise()).filter(|_| !is_clipped),
+        faintest_mag: scale.magnitude(measured.threshold * measured.noise_sigma()).filter(|_| !is_clipped),
         is_calibrated,
         zero_point_mag: scale.zero_point_mag(),
         zero_point_sigma_mag: sigma_mag,

@@ -274,7 +274,7 @@ fn placed(
             ends_s: Some(ends_s),
             cross_sigma_pix,
             // Without a distance, the width of the image is given or fitted.
-            range_km: range_km.unwrap_or(GivenStreak::FAR_KM),
+            range_km: range_km.unwrap_or(PredictedStreak::FAR_KM),
             radius_m: 0.5 * size_m.unwrap_or(0.0),
             radius_sigma_m: 0.5 * SIZE_SIGMA * model_m.unwrap_or(0.0),
         },

@@ -6,7 +6,7 @@ use super::fit::{Blocks, combined, fit_blocks};
 use super::measurement::{MeasureOptions, PredictedStreak};
 use super::streak::{Measuring, Shift, profile_of};
 use crate::error::Error;
-use crate::streaks::{GivenStreak, Optics, RadialProfile};
+use crate::streaks::{Optics, RadialProfile};
 
 /// Factor (one sigma) between the seeing and the assumed one, if it is neither given nor fitted.
 const UNKNOWN_SEEING: f64 = 2.0;
@@ -63,17 +63,18 @@ impl Measuring<'_> {
         shift: &Shift,
         options: &MeasureOptions,
     ) -> Result<(f64, f64), Error> {
-        let profiles: Vec<RadialProfile> = if options.is_seeing_known && self.predicted.range_km < GivenStreak::FAR_KM {
-            Vec::new()
-        } else if options.is_seeing_known {
-            let (scale_arcsec, aspect) = (self.image.pixel_scale_arcsec, self.image.pixel_aspect);
-            self.optics.profile(NEAR_KM, NEAR_RADIUS_M, scale_arcsec, aspect).into_iter().collect()
-        } else {
-            let with = |factor: f64| Optics { seeing_arcsec: factor * self.optics.seeing_arcsec, ..self.optics };
-            // A seeing that cannot be drawn is left out.
-            let factors = [1.0 / UNKNOWN_SEEING, UNKNOWN_SEEING].into_iter();
-            factors.filter_map(|factor| profile_of(self.image, self.predicted, &with(factor)).ok()).collect()
-        };
+        let profiles: Vec<RadialProfile> =
+            if options.is_seeing_known && self.predicted.range_km < PredictedStreak::FAR_KM {
+                Vec::new()
+            } else if options.is_seeing_known {
+                let (scale_arcsec, aspect) = (self.image.pixel_scale_arcsec, self.image.pixel_aspect);
+                self.optics.profile(NEAR_KM, NEAR_RADIUS_M, scale_arcsec, aspect).into_iter().collect()
+            } else {
+                let with = |factor: f64| Optics { seeing_arcsec: factor * self.optics.seeing_arcsec, ..self.optics };
+                // A seeing that cannot be drawn is left out.
+                let factors = [1.0 / UNKNOWN_SEEING, UNKNOWN_SEEING].into_iter();
+                factors.filter_map(|factor| profile_of(self.image, self.predicted, &with(factor)).ok()).collect()
+            };
         let responses = self.responses(&profiles, band, mask, blocks, shift)?;
         Ok((mean_difference(&responses), responses.into_iter().fold(1.0, f64::min).recip()))
     }

@@ -53,6 +53,11 @@ pub struct PredictedStreak {
     pub radius_sigma_m: f64,
 }
 
+impl PredictedStreak {
+    /// Distance of a satellite whose distance is unknown, km: it is a point in focus.
+    pub const FAR_KM: f64 = 1e9;
+}
+
 /// Options of a measurement.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct MeasureOptions {
@@ -209,7 +214,7 @@ pub struct StreakMeasurement {
 impl StreakMeasurement {
     /// Returns the error (one sigma) of the rate by the noise: without the parts that are proportional to the light,
     /// which do not matter at the threshold of detection.
-    pub(super) fn noise(&self) -> f64 {
+    pub fn noise_sigma(&self) -> f64 {
         let of_light = [self.size_sigma, self.form_sigma, self.width_sigma].map(|sigma| sigma * sigma);
         (self.rate.sigma * self.rate.sigma - of_light.iter().sum::<f64>()).max(0.0).sqrt()
     }

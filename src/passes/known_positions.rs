@@ -37,7 +37,8 @@ impl Sky {
     /// Returns warnings about a frame of this exposure, whose name is `exposure.id`: an unknown position of a telescope
     /// in orbit; a field below the horizon of the site, or the Sun above it, which show that the time or the site is
     /// wrong.
-    pub(crate) fn frame_warnings(&self, exposure: &Exposure, radius_rad: f64) -> Vec<String> {
+    #[doc(hidden)]
+    pub fn frame_warnings(&self, exposure: &Exposure, radius_rad: f64) -> Vec<String> {
         let of_observer = self.unknown_observer_warning(&exposure.id, exposure.start, radius_rad);
         of_observer.into_iter().chain(self.wrong_header_warning(exposure)).collect()
     }
