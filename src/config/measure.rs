@@ -189,6 +189,7 @@ impl MeasureConfig {
             optics: &|frame| self.optics(&config, frame),
             has_streaks: !self.streaks.is_empty(),
             fit_width: self.fit_width,
+            is_form_known: self.psf.is_some(),
             cuts: self.cuts,
             stars: table.as_ref(),
             place_sigma_deg: place_sigma,

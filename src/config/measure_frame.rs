@@ -5,7 +5,7 @@ use super::measured_tables::identify_listed;
 use crate::error::Error;
 use crate::measure::{
     CatalogueStar, Estimate, FrameMeasurements, FrameOptions, ListedMeasurement, ListedStreak, MeasureOptions,
-    StarTable, StarZeroPoint, ZeroPoints, measure_frame, measure_listed,
+    StarShape, StarTable, StarZeroPoint, ZeroPoints, measure_frame, measure_listed,
 };
 use crate::passes::Sky;
 use crate::photometry::{Band, PhotometryOptions};
@@ -26,6 +26,8 @@ pub(super) struct FrameRun<'a> {
     /// True if streaks are given instead of those of satellites.
     pub has_streaks: bool,
     pub fit_width: bool,
+    /// False if the form of the point spread function is not given.
+    pub is_form_known: bool,
     /// True if the pixels along each track are returned.
     pub cuts: bool,
     /// Table of stars for the zero point.
@@ -74,7 +76,11 @@ impl FrameRun<'_> {
             None if is_calibrated => ZeroPoints::Frame,
             None => ZeroPoints::Missing,
         };
-        let measure = MeasureOptions { fit_width: self.fit_width, ..MeasureOptions::default() };
+        let measure = MeasureOptions {
+            fit_width: self.fit_width,
+            is_form_known: self.is_form_known,
+            ..MeasureOptions::default()
+        };
         let options = FrameOptions {
             zero_points,
             photometry,
@@ -150,10 +156,10 @@ fn state_stars(
     warnings: &mut Vec<String>,
 ) {
     let counts = found.counts();
-    match (found.zero_point_mag, found.seeing_arcsec) {
-        (Some(Estimate { value, sigma }), seeing_arcsec) => {
-            let seeing = match seeing_arcsec {
-                Some(seeing) => format!("; FWHM {seeing:.2} arcsec"),
+    match (found.zero_point_mag, found.shape) {
+        (Some(Estimate { value, sigma }), shape) => {
+            let seeing = match shape {
+                Some(StarShape { seeing_arcsec, form }) => format!("; {form} of {seeing_arcsec:.2} arcsec FWHM"),
                 None => "; FWHM not measured, too few bright stars".to_owned(),
             };
             remarks.push(format!("{chip}: zero point {value:.3} +- {sigma:.3} mag; {counts}{seeing}"));
@@ -163,7 +169,7 @@ fn state_stars(
             warnings.push(format!("{chip}: no zero point, magnitudes are instrumental; {counts}{allowed}"));
         }
     }
-    if let Some(seeing_arcsec) = found.seeing_arcsec.filter(|_| is_seeing_known)
+    if let Some(seeing_arcsec) = found.shape.map(|shape| shape.seeing_arcsec).filter(|_| is_seeing_known)
         && (seeing_arcsec / optics.seeing_arcsec).ln().abs() > (1.0 + SEEING_TOLERANCE).ln()
     {
         warnings.push(format!(

@@ -192,7 +192,15 @@ pub fn measure_predictions(
         let is_clipped = levels.is_some_and(|levels| levels.empty.is_some());
         let mut scale = ChipScale { scale: chip.scale, is_calibrated, sigma_mag: None, is_clipped };
         if let ZeroPoints::Stars(stars) = options.zero_points {
-            let from_stars = star_zero_point(&image, &chip.wcs, stars, &optics, options.is_seeing_known, watch)?;
+            let from_stars = star_zero_point(
+                &image,
+                &chip.wcs,
+                stars,
+                &optics,
+                options.is_seeing_known,
+                measure.is_form_known,
+                watch,
+            )?;
             let zero_point_mag = from_stars.zero_point_mag.map_or(0.0, |zero_point| zero_point.value);
             scale = ChipScale {
                 scale: CountScale::of_frame(zero_point_mag, frame.exposure_s)?,
@@ -200,10 +208,14 @@ pub fn measure_predictions(
                 sigma_mag: from_stars.zero_point_mag.map(|zero_point| zero_point.sigma),
                 is_clipped,
             };
-            if let Some(seeing_arcsec) = from_stars.seeing_arcsec.filter(|_| !options.is_seeing_known) {
-                optics.seeing_arcsec = seeing_arcsec;
-                measure.fit_width = options.measure.fit_width;
-                measure.is_seeing_known = true;
+            if let Some(shape) = from_stars.shape {
+                optics.form = shape.form;
+                measure.is_form_known = true;
+                if !options.is_seeing_known {
+                    optics.seeing_arcsec = shape.seeing_arcsec;
+                    measure.fit_width = options.measure.fit_width;
+                    measure.is_seeing_known = true;
+                }
             }
             done.star_zero_points.push((chip.hdu, from_stars));
         }

@@ -49,7 +49,7 @@ impl Measuring<'_> {
             }
             profiles.push(other);
         }
-        Ok(mean_difference(&self.responses(&profiles, band, mask, blocks, shift)?))
+        Ok(error_and_factor(&self.responses(&profiles, band, mask, blocks, shift)?).0)
     }
 
     /// Returns, for a streak whose width is unknown and not fitted, the relative error (one sigma) of its light,
@@ -75,13 +75,12 @@ impl Measuring<'_> {
                 let factors = [1.0 / UNKNOWN_SEEING, UNKNOWN_SEEING].into_iter();
                 factors.filter_map(|factor| profile_of(self.image, self.predicted, &with(factor)).ok()).collect()
             };
-        let responses = self.responses(&profiles, band, mask, blocks, shift)?;
-        Ok((mean_difference(&responses), responses.into_iter().fold(1.0, f64::min).recip()))
+        Ok(error_and_factor(&self.responses(&profiles, band, mask, blocks, shift)?))
     }
 
     /// Returns the light that is measured with the assumed profile, relative to the true one, of streaks with other
     /// profiles: the amplitude ρ of the assumed streak in the light of the other one.
-    fn responses(
+    pub(super) fn responses(
         &self,
         profiles: &[RadialProfile],
         band: &Band,
@@ -130,7 +129,9 @@ impl Measuring<'_> {
     }
 }
 
-/// Returns the mean of |1 - ρ|, and 0 without values.
-fn mean_difference(responses: &[f64]) -> f64 {
-    responses.iter().map(|response| (1.0 - response).abs()).sum::<f64>() / (responses.len() as f64).max(1.0)
+/// Returns the relative error of the light, the mean of |1 - ρ|, and the factor by which a streak may be brighter, the
+/// largest 1/ρ; 0 and 1 without values.
+pub(super) fn error_and_factor(responses: &[f64]) -> (f64, f64) {
+    let sum: f64 = responses.iter().map(|response| (1.0 - response).abs()).sum();
+    (sum / (responses.len() as f64).max(1.0), responses.iter().copied().fold(1.0, f64::min).recip())
 }

@@ -74,6 +74,10 @@ pub struct MeasureOptions {
     /// With `fit_width`: if false, the given seeing is only a guess, and the width of a streak too faint for the fit is
     /// unknown within a factor of two; if true, only its distance and size are unknown.
     pub is_seeing_known: bool,
+    /// False if the form of the point spread function is only a guess: the streak may be Gaussian, or a Moffat profile of
+    /// β = 3.5 or 2.5. The flux is then the mean over these forms, weighted by the probabilities of their fits, and
+    /// their scatter is part of its error.
+    pub is_form_known: bool,
     /// Mean distance to the nearest other streak beside this one in a table, pixels. The corridor reaches half-way to
     /// it.
     pub neighbour_pix: Option<f64>,
@@ -88,6 +92,7 @@ impl Default for MeasureOptions {
             limit_sigmas: 3.0,
             fit_width: false,
             is_seeing_known: false,
+            is_form_known: false,
             neighbour_pix: None,
         }
     }
@@ -171,7 +176,7 @@ pub struct StreakMeasurement {
     pub rate: Estimate,
     /// Part of the error of `rate` that the error of the satellite's size causes.
     pub size_sigma: f64,
-    /// Part of the error of `rate` that the form and the width of the point spread function cause, if others fit
+    /// Part of the error of `rate` that the form of the point spread function causes, if it is unknown or others fit
     /// better, and the accuracy of the fit.
     pub form_sigma: f64,
     /// Part of the error of the rate by a width that is neither known nor fitted.

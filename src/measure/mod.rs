@@ -7,15 +7,15 @@
 //! `background` subtracts the sky for the search, `corridor` describes the track by columns of pixels across it, and
 //! `search` is the matched filter. `band` holds the pixels around one streak, and `stars` masks the stars in a band.
 //! `fit` is the weighted least-squares fit of the drawn streak, `width` fits the seeing, and `noise` computes the
-//! errors of the sky, `light_errors` the others. `align` finds the first position of a bright streak, `narrow` that of
-//! a streak less than 1.6 pixels wide, and `ends` the delay and the ends; `hidden_light` computes the share of a
-//! streak's light on masked pixels and outside of the illuminated area. `streak` combines them into a
-//! [`StreakMeasurement`]; `measurement` defines this type and the inputs. `cut` returns the pixels along a measured
-//! track. `predict` computes the tracks of the satellites of a sky, `star_table` reads stars of known magnitude,
-//! `zero_point` measures these stars, `frame` measures whole files without the pixels that `bad_pixels` finds in masks
-//! and variances and with the values of saturation that `levels` finds, `given` measures the streaks of a table,
-//! `pass_prediction` corrects predicted magnitudes by earlier streaks of the same pass, and `table` creates the output
-//! tables.
+//! errors of the sky, `light_errors` the others, and `forms` those of the form of the point spread function. `align`
+//! finds the first position of a bright streak, `narrow` that of a streak less than 1.6 pixels wide, and `ends` the
+//! delay and the ends; `hidden_light` computes the share of a streak's light on masked pixels and outside of the
+//! illuminated area. `streak` combines them into a [`StreakMeasurement`]; `measurement` defines this type and the
+//! inputs. `cut` returns the pixels along a measured track. `predict` computes the tracks of the satellites of a sky,
+//! `star_table` reads stars of known magnitude, `star_shape` and `zero_point` measure these stars by the pixels of a
+//! `stamp`, `frame` measures whole files without the pixels that `bad_pixels` finds in masks and variances and with the
+//! values of saturation that `levels` finds, `given` measures the streaks of a table, `pass_prediction` corrects
+//! predicted magnitudes by earlier streaks of the same pass, and `table` creates the output tables.
 //!
 //! ```
 //! use streakcast::images::{LightArea, PixelPosition, Plane};
@@ -64,6 +64,7 @@ mod corridor;
 mod cut;
 mod ends;
 mod fit;
+mod forms;
 #[cfg(all(feature = "fits", unix))]
 mod frame;
 #[cfg(all(feature = "fits", unix))]
@@ -80,6 +81,10 @@ mod pass_prediction;
 #[cfg(all(feature = "fits", unix))]
 mod predict;
 mod search;
+#[cfg(all(feature = "fits", unix))]
+mod stamp;
+#[cfg(all(feature = "fits", unix))]
+mod star_shape;
 #[cfg(all(feature = "fits", unix))]
 mod star_table;
 mod stars;
@@ -108,6 +113,7 @@ pub use self::{
     frame::MeasuredPass,
     given::ListedMeasurement,
     predict::{KnownSatellite, PredictOptions},
+    star_shape::StarShape,
     star_table::{CatalogueStar, StarTable},
     table::{ScoreObserver, listed_table, measurement_table, score_table},
     zero_point::{StarZeroPoint, star_zero_point},

@@ -9,7 +9,7 @@ use super::streak::{Measuring, Shift};
 use crate::error::Error;
 
 /// Width of a streak, pixels, below which the steps of the search are too coarse.
-const NARROW_PIX: f64 = 1.6;
+pub(super) const NARROW_PIX: f64 = 1.6;
 /// Half width of the grid at the middle and at the ends of the streak, pixels.
 const GRID_PIX: f64 = 1.0;
 /// Steps of the grid, FWHM.

@@ -11,7 +11,7 @@ pub(super) const CONTROLS_A_SIDE: usize = 30;
 /// Smallest weight of a control fit relative to that of the streak, and the smallest number of control fits from which
 /// the error is computed.
 const LEAST_CONTROL_WEIGHT: f64 = 0.5;
-const LEAST_CONTROLS: usize = 10;
+pub(super) const LEAST_CONTROLS: usize = 10;
 /// Control fits beyond this number of robust sigmas are omitted.
 const CONTROL_CLIP: f64 = 5.0;
 /// Share of the control fits that is independent: neighbouring ones overlap.
@@ -43,8 +43,8 @@ pub(super) fn background_sigma(
     }
 }
 
-/// Returns the scatter of fits of the same template beside the streak, multiplied by the square root of their weights;
-/// `None` if there is no space for enough of them.
+/// Returns the scatter of fits of the same template at distances on both sides of the streak, pixels of the minor axis,
+/// multiplied by the square root of their weights; `None` if there is no space for enough of them.
 ///
 /// These fits contain all noise of the background: that of the pixels, correlated or not, of faint stars, of masks and
 /// of the fitted background. No other term for the background is added to the error. Stars that would not be masked
@@ -58,10 +58,9 @@ pub(super) fn controls(
     template: &[f32],
     blocks: &Blocks,
     weight: f64,
-    first: isize,
-    step: isize,
+    distances: impl Iterator<Item = isize>,
 ) -> Option<f64> {
-    let shifts = (0..=CONTROLS_A_SIDE as isize).flat_map(|number| [first + number * step, -first - number * step]);
+    let shifts = distances.flat_map(|distance| [distance, -distance]);
     let levels = stars.levels(band);
     let is_used =
         |column: usize, at: usize, light: f32| !stars.mask[at] || levels[at] <= stars.threshold(column, light);

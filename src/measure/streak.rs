@@ -3,9 +3,13 @@
 use super::band::Band;
 use super::corridor::Corridor;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
+use super::forms::AssumedForm;
 use super::hidden_light::{edge_and_hidden_shares, least_usable_beside};
 use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
-use super::noise::{CONTROLS_A_SIDE, REFINED_FROM, background_sigma, controls, offset_sigma, without_fit_bias};
+use super::narrow::NARROW_PIX;
+use super::noise::{
+    CONTROLS_A_SIDE, LEAST_CONTROLS, REFINED_FROM, background_sigma, controls, offset_sigma, without_fit_bias,
+};
 use super::search::{Extent, Found, PredictionErrors, Search, least_usable_share, search};
 use super::stars::{mask_stars, without_streak};
 use crate::error::Error;
@@ -24,6 +28,10 @@ const LEAST_BLOCK_PIX: f64 = 32.0;
 /// Distance of the first control fits from the streak, and distance between neighbouring control fits, FWHM.
 const FIRST_CONTROL_WIDTHS: f64 = 4.0;
 const CONTROL_STEP_WIDTHS: f64 = 0.75;
+/// Distance from another streak of a table, FWHM, from which it has no light in a control fit.
+const NEIGHBOUR_WIDTHS: f64 = 2.0;
+/// Distance within which a bright streak makes the sky beside it look dark in the search, FWHM.
+const CONTRAST_WIDTHS: f64 = 12.0;
 /// Number of iterations of mask, offset and angle.
 const ITERATIONS: usize = 6;
 /// Smallest signal to noise at which the width is measured.
@@ -47,11 +55,9 @@ const SEEN_SHARE: f64 = 0.1;
 const CORE_SHARE: f64 = 0.5;
 /// Relative difference of measured and assumed width above which the width is flagged.
 const WIDTH_TOLERANCE: f64 = 0.2;
-/// Number of sigmas by which another width must fit better than the assumed one to be flagged, and another form to be
-/// part of the error.
+/// Number of sigmas by which another width must fit better than the assumed one to be flagged.
 const SHAPE_SIGMAS: f64 = 3.0;
-const FORM_SIGMAS: f64 = 2.0;
-/// Accuracy of the fitted light of a bright streak, relative: narrow streaks that are drawn with exactly the assumed
+/// Accuracy of the fitted light of a bright, narrow streak, relative: those that are drawn with exactly the assumed
 /// point spread function are off by up to this.
 const FIT_ACCURACY: f64 = 0.002;
 /// Half of the blocks of a streak must have light: the median of all blocks must exceed this fraction of the threshold
@@ -247,44 +253,64 @@ impl Measuring<'_> {
         [half_width.ceil() as usize, ((BLOCK_WIDTHS * fwhm).max(LEAST_BLOCK_PIX) * cos) as usize]
     }
 
-    /// Returns true if the median of the blocks of a dark streak is larger than that of the brightest one, which is
-    /// then only the contrast beside the dark streak.
-    fn is_dark(&self, brightest: &Found, darkest: &Found, extent: &Extent) -> Result<bool, Error> {
+    /// Returns the number of control fits on each side of the streak, of the given first distance, steps and half width
+    /// of a fit, pixels of the minor axis. They do not reach the nearest other streak of a table, unless too few remain.
+    fn controls_a_side(&self, first: isize, step: isize, half_width: usize, options: &MeasureOptions) -> usize {
+        let Some(neighbour_pix) = options.neighbour_pix else { return CONTROLS_A_SIDE };
+        let free_pix = neighbour_pix - NEIGHBOUR_WIDTHS * self.profile.fwhm_pix();
+        let last = (free_pix / self.corridor.cos()) as isize - half_width as isize;
+        let free = ((last - first).max(0) / step) as usize;
+        if 2 * (free + 1) >= LEAST_CONTROLS { free.min(CONTROLS_A_SIDE) } else { CONTROLS_A_SIDE }
+    }
+
+    /// Returns true if a dark streak is significant, and the median of its blocks is larger than that of the brightest
+    /// one, which is then only the contrast beside the dark streak. A bright streak of a table is also contrast for its
+    /// neighbours.
+    fn is_dark(&self, search: &Search, extent: &Extent, options: &MeasureOptions) -> Result<bool, Error> {
+        let Search { best, darkest } = search;
+        let contrast_pix = CONTRAST_WIDTHS * self.profile.fwhm_pix();
+        let is_contrast = options.neighbour_pix.is_some_and(|pix| pix < contrast_pix);
+        if darkest.significance >= -darkest.threshold || is_contrast {
+            return Ok(false);
+        }
         let [half_width, block] = self.block_size(extent);
-        let light = |found: &Found| -> Result<Option<f64>, Error> {
+        // Median light of the blocks, and signal to noise of all.
+        let light = |found: &Found| -> Result<Option<(f64, f64)>, Error> {
             let line = [found.minor_pix, found.slope];
             let band = Band::read(self.image.plane, self.image.light_area, &self.corridor, line, half_width);
             let Some(drawn) = self.drawn(&band, &self.shift(found)?.0)? else { return Ok(None) };
             let blocks = Blocks::new(band.len(), block, half_width);
             let fits = fit_blocks(&band, &band.values, &vec![false; band.values.len()], &drawn.template, 0, &blocks);
             let amplitudes: Vec<f64> = fits.iter().filter_map(BlockFit::amplitude).collect();
-            Ok((!amplitudes.is_empty()).then(|| median(amplitudes)))
+            let Some(all) = combined(&fits) else { return Ok(None) };
+            let sigma = (all.squares / all.freedom / all.weight).sqrt();
+            Ok((!amplitudes.is_empty()).then(|| (median(amplitudes), all.value / sigma)))
         };
-        Ok(match (light(brightest)?, light(darkest)?) {
-            (Some(bright), Some(dark)) => -dark > bright,
+        Ok(match (light(best)?, light(darkest)?) {
+            (Some((bright, _)), Some((dark, signal))) => -dark > bright && signal < -darkest.threshold,
             _ => false,
         })
     }
 
     fn measure(
         &mut self,
-        Search { best, darkest }: &Search,
+        search: &Search,
         extent: &Extent,
         options: &MeasureOptions,
     ) -> Result<Option<StreakMeasurement>, Error> {
-        let found = &self.aligned(best, extent);
+        let found = &self.aligned(&search.best, extent);
         let (mut shift, ends) = self.shift(found)?;
         if options.fit_width {
             self.start_width(found, shift.late_s);
         }
-        let is_dark = darkest.significance < -darkest.threshold && self.is_dark(found, darkest, extent)?;
+        let is_dark = self.is_dark(&Search { best: *found, ..*search }, extent, options)?;
         let corridor = &self.corridor;
         let cos = corridor.cos();
         let fwhm = self.profile.fwhm_pix().max(1.0);
         let [half_width, block] = self.block_size(extent);
         let step = (CONTROL_STEP_WIDTHS * fwhm / cos).ceil().max(1.0) as isize;
         let first = (FIRST_CONTROL_WIDTHS * fwhm / cos).ceil() as isize;
-        let last = first + step * CONTROLS_A_SIDE as isize;
+        let last = first + step * self.controls_a_side(first, step, half_width, options) as isize;
         let half = half_width + last as usize;
         let band = Band::read(self.image.plane, self.image.light_area, corridor, [found.minor_pix, found.slope], half);
         let mut blocks = Blocks::new(band.len(), block, half_width);
@@ -345,7 +371,15 @@ impl Measuring<'_> {
         let rounding = f64::from(f32::EPSILON) * median(finite.map(|value| f64::from(value.abs())).collect());
         let pixel_sigma =
             if (amplitude.squares / amplitude.freedom).sqrt() > rounding { pixel_sigma } else { f64::NAN };
-        let controls = controls(&band, &rest, &stars, &drawn.template, &blocks, amplitude.weight, first, step);
+        let controls = controls(
+            &band,
+            &rest,
+            &stars,
+            &drawn.template,
+            &blocks,
+            amplitude.weight,
+            (first..=last).step_by(step as usize),
+        );
         let controls = controls.filter(|_| pixel_sigma.is_finite());
         let mut flags = Vec::new();
         if controls.is_none() {
@@ -378,9 +412,9 @@ impl Measuring<'_> {
         let margin = (fwhm / cos).ceil() as usize;
         let (edge, masked) = edge_and_hidden_shares(&band, &stars.mask, &drawn.template, self.image.light_area, margin);
         let given_width = seeing_arcsec.is_none();
-        // Decrease of the sum of the squared residuals that noise causes with a small probability.
-        let noise = |sigmas: f64| (sigmas * noise_ratio).powi(2) * amplitude.squares / amplitude.freedom;
-        let mut form_sigma = 0.0;
+        // Increase of the sum of the squared residuals at one sigma from the best fit.
+        let squares_of_sigma = noise_ratio * noise_ratio * amplitude.squares / amplitude.freedom;
+        let (mut value, mut form_sigma, mut brighter) = (amplitude.value, 0.0, 1.0);
         if is_detected && signal_to_noise > WIDTH_FROM {
             let optics = self.optics;
             let (measured_arcsec, decrease) = match seeing_arcsec {
@@ -389,13 +423,18 @@ impl Measuring<'_> {
             };
             (self.optics, self.profile) = (optics, profile_of(self.image, self.predicted, &optics)?);
             let is_other = (measured_arcsec / optics.seeing_arcsec).ln().abs() > (1.0 + WIDTH_TOLERANCE).ln();
-            if given_width && is_other && decrease > noise(SHAPE_SIGMAS) {
+            if given_width && is_other && decrease > SHAPE_SIGMAS * SHAPE_SIGMAS * squares_of_sigma {
                 flags.push(Flag::Width);
             }
             seeing_arcsec = Some(measured_arcsec);
-            let noise = noise(FORM_SIGMAS);
-            let form = self.form_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, measured_arcsec, noise);
-            form_sigma = form.hypot(FIT_ACCURACY * amplitude.value);
+            let assumed = AssumedForm { amplitude: &amplitude, seeing_arcsec: measured_arcsec, squares_of_sigma };
+            let forms = self.amplitude_of_forms(&band, &stars.mask, &blocks, &shift, &assumed, options.is_form_known);
+            value = forms.value;
+            let accuracy = if self.profile.fwhm_pix() < NARROW_PIX { FIT_ACCURACY } else { 0.0 };
+            form_sigma = forms.sigma.hypot(accuracy * value);
+        } else if !options.is_form_known {
+            let (share, factor) = self.unknown_form_share(&band, &stars.mask, &blocks, &shift)?;
+            (form_sigma, brighter) = (share * value.abs(), factor);
         }
         if is_saturated {
             flags.push(Flag::Saturated);
@@ -430,14 +469,14 @@ impl Measuring<'_> {
         let (of_length, inside) = missed.unwrap_or((&drawn.path, inside));
         let length_pix = of_length.point_at(inside[0]).distance(of_length.point_at(inside[1]));
         let size_share = if is_detected { self.size_share(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
-        let (width_share, brighter) = if options.fit_width && given_width {
-            self.unknown_width_share(&band, &stars.mask, &blocks, &shift, options)?
-        } else {
-            (0.0, 1.0)
-        };
+        let mut width_share = 0.0;
+        if options.fit_width && given_width {
+            let (share, factor) = self.unknown_width_share(&band, &stars.mask, &blocks, &shift, options)?;
+            (width_share, brighter) = (share, brighter * factor);
+        }
         let along = if self.is_given() { fitted_ends.len() } else { ends.min(1) };
-        let rate = amplitude.value * without_fit_bias(signal_to_noise, along);
-        let [size_sigma, width_sigma] = [size_share, width_share].map(|sigma| sigma * amplitude.value.abs());
+        let rate = value * without_fit_bias(signal_to_noise, along);
+        let [size_sigma, width_sigma] = [size_share, width_share].map(|share| share * value.abs());
         let sigma = sigma.hypot(size_sigma).hypot(form_sigma).hypot(width_sigma);
         // The light of fitted ends is that of the time between the given ends.
         let (path, longer) = self.within_given_times(&drawn.path)?;

@@ -3,13 +3,13 @@
 
 use super::background::median_and_sigma;
 use super::band::Band;
-use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks, squares_by_block};
+use super::fit::{BlockFit, Blocks, fit_blocks, squares_by_block};
 use super::search::Found;
 use super::streak::{Measuring, Shift, profile_of};
 use crate::error::Error;
 use crate::math::minimum::minimum;
 use crate::math::quantile::median;
-use crate::streaks::{Optics, SeeingForm};
+use crate::streaks::Optics;
 
 /// Range of fitted widths relative to the given one.
 const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
@@ -21,13 +21,6 @@ const PROFILE_SIGNAL: f64 = 10.0;
 const MOST_WIDENING: f64 = 8.0;
 /// Smallest number of rows beside the streak whose scatter is a measure of the noise.
 const LEAST_SKY_ROWS: usize = 10;
-
-/// Forms that are compared with the assumed one: the wings of stars are between these.
-const FORMS: [SeeingForm; 3] =
-    [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 3.5 }, SeeingForm::Moffat { beta: 2.5 }];
-/// Range of the width of another form relative to that of the assumed one, and accuracy of its logarithm.
-const FORM_WIDTHS: [f64; 2] = [0.8, 1.25];
-const FORM_WIDTH_TOLERANCE: f64 = 0.02;
 
 impl Measuring<'_> {
     /// Sets the seeing to the width of the median profile across the track, from which the fit of the width starts.
@@ -118,57 +111,6 @@ impl Measuring<'_> {
         self.optics = Optics { seeing_arcsec: given.seeing_arcsec * best.0.exp(), ..given };
         self.profile = profile_of(self.image, self.predicted, &self.optics)?;
         Ok((self.optics.seeing_arcsec, start.1 - best.1))
-    }
-
-    /// Returns the error of the amplitude because the point spread function has another form or width than the assumed
-    /// one: the difference from the amplitude with the form and the width that fit best. It is 0 unless the sum of the
-    /// squared residuals with these is smaller by `noise`. `measured_arcsec` is the seeing that was fitted with the
-    /// assumed form.
-    #[expect(clippy::too_many_arguments, reason = "parts of one computation")]
-    pub fn form_sigma(
-        &self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        shift: &Shift,
-        assumed: &Amplitude,
-        measured_arcsec: f64,
-        noise: f64,
-    ) -> f64 {
-        let given = self.optics;
-        let of = |optics: Optics| -> Option<Amplitude> {
-            let profile = profile_of(self.image, self.predicted, &optics).ok()?;
-            let drawn = self.drawn_with(&profile, band, shift).ok()??;
-            combined(&fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks))
-        };
-        let forms = FORMS.into_iter().filter(|form| *form != given.form).chain([given.form]);
-        let mut forms: Vec<(Optics, Amplitude)> = forms
-            .map(|form| Optics { form, seeing_arcsec: measured_arcsec, ..given })
-            .filter_map(|optics| Some((optics, of(optics)?)))
-            .collect();
-        // The best width depends on the form.
-        let with_best_width = |(optics, start): (Optics, Amplitude)| -> Amplitude {
-            let at = |ln_ratio: f64| Optics { seeing_arcsec: optics.seeing_arcsec * ln_ratio.exp(), ..optics };
-            let ln_ratio = minimum(
-                |ln_ratio| of(at(ln_ratio)).map_or(f64::NAN, |amplitude| amplitude.squares),
-                FORM_WIDTHS.map(f64::ln),
-                (0.0, start.squares),
-                FORM_WIDTH_TOLERANCE,
-            )
-            .0;
-            of(at(ln_ratio)).unwrap_or(start)
-        };
-        let is_better = |other: &Amplitude| other.squares + noise < assumed.squares;
-        let by_squares = |first: &Amplitude, other: &Amplitude| first.squares.total_cmp(&other.squares);
-        // Forms are compared with a fitted width only if the assumed one has it, too.
-        let best = if given.seeing_arcsec == measured_arcsec {
-            let fitted = forms.into_iter().filter(|(optics, _)| optics.form != given.form).map(with_best_width);
-            fitted.min_by(by_squares).filter(is_better)
-        } else {
-            forms.sort_by(|first, other| by_squares(&first.1, &other.1));
-            forms.first().copied().filter(|(_, amplitude)| is_better(amplitude)).map(with_best_width)
-        };
-        best.map_or(0.0, |amplitude| (amplitude.value - assumed.value).abs())
     }
 
     /// Returns the factor by which the variance of the flux is larger because the width is fitted, too:

@@ -14,6 +14,7 @@ use streakcast::measure::{
 use streakcast::streaks::{Optics, PathNode, RadialProfile, RandomStars, SeeingForm, StreakPath, background, draw};
 
 mod faint;
+mod forms;
 
 // Required bounds, set before the first run.
 
@@ -215,7 +216,7 @@ fn point_source(path: StreakPath) -> PredictedStreak {
 }
 
 fn options() -> MeasureOptions {
-    MeasureOptions { false_alarm: FALSE_ALARM, ..MeasureOptions::default() }
+    MeasureOptions { false_alarm: FALSE_ALARM, is_form_known: true, ..MeasureOptions::default() }
 }
 
 const BRIGHTNESS: [f64; 4] = [10.0, 30.0, 100.0, 400.0];

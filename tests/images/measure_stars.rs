@@ -115,15 +115,18 @@ fn measured(
         pixel_scale_arcsec: 1.0,
         pixel_aspect: 1.0,
     };
-    let assumed_optics = Optics { seeing_arcsec: assumed.unwrap_or(4.0), ..optics };
-    star_zero_point(&image, &wcs, &table, &assumed_optics, assumed.is_some(), &Watch::default()).unwrap()
+    let is_known = assumed.is_some();
+    // Seeing and form of a user who gives neither.
+    let form = if is_known { case.form } else { SeeingForm::Moffat { beta: 3.5 } };
+    let assumed_optics = Optics { seeing_arcsec: assumed.unwrap_or(4.0), form, ..optics };
+    star_zero_point(&image, &wcs, &table, &assumed_optics, is_known, is_known, &Watch::default()).unwrap()
 }
 
 #[test]
 fn verif_zero_points_of_stars_are_unbiased_and_errors_are_honest() {
     let mut cases = Vec::new();
     for seeing_pix in [2.5, 4.0, 6.0] {
-        for form in [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 3.5 }] {
+        for form in [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 4.0 }, SeeingForm::Moffat { beta: 2.75 }] {
             for other_stars in [0.0, 300.0] {
                 for repeat in 0..if is_all() { 4 } else { 2 } {
                     cases.push(Case {
@@ -137,7 +140,7 @@ fn verif_zero_points_of_stars_are_unbiased_and_errors_are_honest() {
             }
         }
     }
-    // The seeing is not given: it is measured.
+    // Seeing and form are not given: they are measured.
     let found: Vec<(Case, StarZeroPoint)> = cases
         .into_par_iter()
         .map(|case| (case, measured(&case, &scattered(60, case.seed + 50), |_, magnitude| magnitude, None)))
@@ -146,7 +149,7 @@ fn verif_zero_points_of_stars_are_unbiased_and_errors_are_honest() {
     for (case, one) in &found {
         let zero_point = one.zero_point_mag.unwrap_or_else(|| panic!("{case:?}: {one:?}"));
         let error = zero_point.value - true_zero_point_mag();
-        let seeing = one.seeing_arcsec.unwrap() / case.seeing_pix - 1.0;
+        let seeing = one.shape.unwrap().seeing_arcsec / case.seeing_pix - 1.0;
         println!("{case:?}: {error:+.4} +- {:.4}, seeing {:+.2} %, {}", zero_point.sigma, 100.0 * seeing, one.counts());
         assert!(error.abs() <= SIGMAS * zero_point.sigma + MARGIN_MAG, "{case:?}: {error} +- {}", zero_point.sigma);
         assert!(seeing.abs() <= SEEING_ERROR, "{case:?}: {seeing}");
@@ -181,7 +184,7 @@ fn verif_the_width_of_stars_is_measured_far_from_the_given_seeing() {
     let stars = scattered(40, 92);
     for assumed in [1.0, 2.0] {
         let found = measured(&case, &stars, |_, magnitude| magnitude, Some(assumed));
-        let seeing = found.seeing_arcsec.unwrap_or(f64::NAN);
+        let seeing = found.shape.map_or(f64::NAN, |shape| shape.seeing_arcsec);
         println!("given {assumed}: {seeing}");
         assert!((seeing / case.seeing_pix - 1.0).abs() <= SEEING_ERROR, "{assumed}: {found:?}");
     }
@@ -194,7 +197,8 @@ fn verif_the_width_of_undersampled_stars_is_measured() {
         for form in [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 3.5 }] {
             let case = Case { seeing_pix, form, other_stars: 0.0, seed: 93, shift_arcsec: 0.0 };
             let found = measured(&case, &scattered(60, 94), |_, magnitude| magnitude, Some(seeing_pix));
-            let (seeing, zero_point) = (found.seeing_arcsec.unwrap_or(f64::NAN), found.zero_point_mag.unwrap());
+            let (seeing, zero_point) =
+                (found.shape.map_or(f64::NAN, |shape| shape.seeing_arcsec), found.zero_point_mag.unwrap());
             println!("{seeing_pix} {form:?}: {seeing:.3}, {:+.4}", zero_point.value - true_zero_point_mag());
             assert!((seeing / seeing_pix - 1.0).abs() <= largest_error, "{seeing_pix}: {found:?}");
             assert!((zero_point.value - true_zero_point_mag()).abs() <= BIAS_MAG, "{seeing_pix}: {found:?}");
