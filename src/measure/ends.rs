@@ -1,7 +1,7 @@
 //! Ends of a streak: the delay of the satellite, fitted ends, and their errors.
 
 use super::band::Band;
-use super::fit::{Amplitude, BlockFit, Blocks, fit_blocks};
+use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
 use super::search::Extent;
 use super::streak::{Drawn, Measuring, Shift};
 use crate::error::Error;
@@ -11,6 +11,16 @@ use crate::streaks::{PathNode, StreakPath};
 
 /// Largest change of a given end in sigmas of its error.
 const END_SIGMAS: f64 = 3.0;
+
+/// Variance of the position of a step in noise, in units of the variance of a sample divided by the square of the step.
+const STEP_VARIANCE: f64 = 26.0;
+/// Accuracy of a fitted delay or end in the time in which a satellite moves by one FWHM.
+const DELAY_ACCURACY: f64 = 0.01;
+
+/// Returns the values of the pixels of a template; those without a value in the frame have none.
+fn without_missing(template: impl Iterator<Item = f32>, band: &Band) -> Vec<f32> {
+    template.zip(&band.values).map(|(light, value)| if value.is_nan() { f32::NAN } else { light }).collect()
+}
 
 impl Measuring<'_> {
     /// Returns the number of ends of the exposed track that are in the image.
@@ -57,12 +67,14 @@ impl Measuring<'_> {
         Some([(0..=SAMPLES).find(is_inside)?, (0..=SAMPLES).rev().find(is_inside)?].map(time_s))
     }
 
+    /// Fits the delay, or refines it if `is_fitted`.
     pub(super) fn fit_lateness(
         &self,
         band: &Band,
         mask: &[bool],
         blocks: &Blocks,
         extent: &Extent,
+        is_fitted: bool,
         shift: &mut Shift,
     ) -> Result<(), Error> {
         // The search has steps of half a width or of a block.
@@ -79,21 +91,27 @@ impl Measuring<'_> {
         let start = shift.late_s;
         // The sum of squares has a single minimum only within a few widths of the end, so several delays are tried
         // first.
-        let samples = (-4..=4).map(|step| start + f64::from(step) * 0.25 * step_s);
+        let steps = if is_fitted { 0..=0 } else { -4..=4 };
+        let samples = steps.map(|step| start + f64::from(step) * 0.25 * step_s);
         let best = samples
             .filter(|late_s| late_s.abs() <= extent.late_s + step_s)
             .map(|late_s| (late_s, of(late_s)))
             .filter(|(_, squares)| squares.is_finite())
             .min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some(best) = best {
-            let tolerance_s = 0.01 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
+            let tolerance_s = DELAY_ACCURACY * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
             let bounds = [best.0 - 0.25 * step_s, best.0 + 0.25 * step_s];
             shift.late_s = minimum(of, bounds, best, tolerance_s).0;
         }
         failed.map_or(Ok(()), Err)
     }
 
-    /// Returns the error of the delay from the curvature of the sum of squares: σ² = 2 σ_pixel² / S''.
+    /// Returns the error of the delay (one sigma, s).
+    ///
+    /// An end of a bright streak is a smooth edge: σ² = σ_pixel² / Σ (A ∂m/∂δ)², where ∂m/∂δ is without its part that is
+    /// proportional to the template m. That of a faint streak is a step in the noise of the pixels along the track: its
+    /// delay has the variance 26 (T / (n S²))² with the signal to noise S in the time T and n ends in the image (Yao 1987,
+    /// Ann. Statist. 15, 1321). The accuracy of the fit is added.
     pub(super) fn lateness_sigma(
         &self,
         band: &Band,
@@ -103,16 +121,27 @@ impl Measuring<'_> {
         amplitude: &Amplitude,
         noise_ratio: f64,
     ) -> Result<Option<f64>, Error> {
-        let step_s = 0.5 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
-        let at = |late_s: f64| self.squares(band, mask, blocks, &Shift { late_s, ..*shift });
+        let width_s = self.profile.fwhm_pix() / self.corridor.speed_pix_s;
+        let step_s = 0.25 * width_s;
+        let at = |late_s: f64| self.drawn(band, &Shift { late_s, ..*shift });
         let (Some(before), Some(here), Some(after)) =
             (at(shift.late_s - step_s)?, at(shift.late_s)?, at(shift.late_s + step_s)?)
         else {
             return Ok(None);
         };
-        let bend = (before - 2.0 * here + after) / (step_s * step_s);
-        let variance = 2.0 * amplitude.squares / amplitude.freedom / bend;
-        Ok((bend > 0.0).then(|| variance.sqrt() * noise_ratio))
+        let change = after.template.iter().zip(&before.template).map(|(after, before)| after - before);
+        let change = without_missing(change, band);
+        let Some(change) = combined(&fit_blocks(band, &change, mask, &here.template, 0, blocks)) else {
+            return Ok(None);
+        };
+        let pixel_variance = noise_ratio * noise_ratio * amplitude.squares / amplitude.freedom;
+        let smooth = pixel_variance * (2.0 * step_s / amplitude.value).powi(2) / change.squares;
+        let [from_s, to_s] = self.inside(&here.path);
+        let signal_squared = amplitude.value * amplitude.value * amplitude.weight / pixel_variance;
+        let step = STEP_VARIANCE * ((to_s - from_s) / (self.ends(shift)? as f64 * signal_squared)).powi(2);
+        let accuracy_s = DELAY_ACCURACY * width_s;
+        let sigma_s = (smooth + step + accuracy_s * accuracy_s).sqrt();
+        Ok(sigma_s.is_finite().then_some(sigma_s))
     }
 
     /// Fits one of the given ends along the streak, within its error. The sum of squares includes the given position,
@@ -152,7 +181,7 @@ impl Measuring<'_> {
             .filter(|(_, squares)| squares.is_finite())
             .min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some(best) = best {
-            let tolerance_s = 0.01 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
+            let tolerance_s = DELAY_ACCURACY * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
             let bounds = [(best.0 - step_s).max(-reach_s), (best.0 + step_s).min(reach_s)];
             shift.ends_s[end] = minimum(of, bounds, best, tolerance_s).0;
         }
@@ -181,10 +210,8 @@ impl Measuring<'_> {
             let mut moved = *shift;
             moved.ends_s[*end] += step_s;
             let (Some(same), Some(other)) = (unit(shift)?, unit(&moved)?) else { continue };
-            // Pixels without a value in the frame have no value in the derivative.
-            let change = other.iter().zip(&same).zip(&band.values);
-            let change = change.map(|((other, same), value)| if value.is_nan() { f32::NAN } else { other - same });
-            let fits = fit_blocks(band, &change.collect::<Vec<f32>>(), mask, &same, 0, blocks);
+            let change = without_missing(other.iter().zip(&same).map(|(other, same)| other - same), band);
+            let fits = fit_blocks(band, &change, mask, &same, 0, blocks);
             let sum = |of: fn(&BlockFit) -> f64| fits.iter().map(of).sum::<f64>();
             let norm = sum(|fit| fit.weight) * sum(|fit| fit.squares);
             squares += if norm > 0.0 { sum(|fit| fit.signal).powi(2) / norm } else { 0.0 };

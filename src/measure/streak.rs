@@ -337,8 +337,8 @@ impl Measuring<'_> {
             if shift.offset_pix.abs() > extent.across_pix {
                 shift = before;
             }
-            if iteration == 1 && ends > 0 && !self.is_given() {
-                self.fit_lateness(&band, &stars.mask, &blocks, extent, &mut shift)?;
+            if matches!(iteration, 1 | 3) && ends > 0 && !self.is_given() {
+                self.fit_lateness(&band, &stars.mask, &blocks, extent, iteration == 3, &mut shift)?;
             }
             if matches!(iteration, 1 | 3) && amplitude.value > ENDS_FROM * sigma {
                 fitted_ends = self.ends_inside();

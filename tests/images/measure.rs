@@ -13,6 +13,7 @@ use streakcast::measure::{
 };
 use streakcast::streaks::{Optics, PathNode, RadialProfile, RandomStars, SeeingForm, StreakPath, background, draw};
 
+mod delays;
 mod faint;
 mod forms;
 
