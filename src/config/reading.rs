@@ -214,7 +214,10 @@ impl Config {
 
 #[cfg(test)]
 mod tests {
+    use super::super::document::{HomeConfig, RunConfig, SiteConfig};
+    use super::super::values::{PolicyChoice, SiteChoice};
     use super::*;
+    use crate::schedule::MagnitudeLimit;
 
     #[test]
     fn tables_and_names_hyphens_and_underscores() {

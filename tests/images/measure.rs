@@ -27,6 +27,11 @@ const FLUX_BIAS: f64 = 0.02;
 const WITHIN_ONE_SIGMA: RangeInclusive<f64> = 0.63..=0.73;
 /// Probability of a false detection in a corridor (an option of the measurement).
 const FALSE_ALARM: f64 = 0.01;
+/// Smallest share of streaks found at a signal to noise of 10, and of 30.
+const FOUND_AT_10: f64 = 0.95;
+const FOUND_AT_30: f64 = 0.99;
+/// Largest share of streaks with exactly the given seeing that have the flag `width`.
+const WRONG_WIDTHS: f64 = 0.03;
 
 /// Returns the bounds of the share of fluxes within one sigma in a smaller sample: those above, widened by two standard
 /// errors.
@@ -211,6 +216,12 @@ fn point_source(path: StreakPath) -> PredictedStreak {
     }
 }
 
+/// Values of the grid of streaks.
+const BRIGHTNESS: [f64; 4] = [10.0, 30.0, 100.0, 400.0];
+const ANGLES_DEG: [f64; 4] = [3.0, 30.0, 52.0, 88.0];
+const SEEING_PIX: [f64; 3] = [2.2, 4.0, 7.0];
+const STARS: [f64; 3] = [0.0, 100.0, 1000.0];
+
 fn options() -> MeasureOptions {
     MeasureOptions { false_alarm: FALSE_ALARM, ..MeasureOptions::default() }
 }
@@ -240,4 +251,39 @@ fn cases_at(signal_to_noise: f64, stars_per_megapixel: f64, count: usize) -> Vec
         seed: 20_000_000 + 1000 * (10.0 * signal_to_noise) as u64 + 10 * number as u64 + stars_per_megapixel as u64,
     };
     (0..count).map(case).collect()
+}
+
+/// Prints a line of the table of docs/explanation/measuring.md: bias of the flux, its standard error and the share
+/// within one sigma as fractions, and the number of detected streaks of all.
+fn print_row(name: &str, fractions: [f64; 3], found: usize, all: usize) {
+    let [bias, error, share] = fractions.map(|fraction| 100.0 * fraction);
+    println!("| {name} | {bias:+.1} ± {error:.1} % | {share:.1} % | {found} of {all} |");
+}
+
+/// Measures the streaks of a cell, at all angles, half of them with a Moffat profile and half with an end in the frame.
+fn cell(signal_to_noise: f64, seeing_pix: f64, stars_per_megapixel: f64, count: u64) -> Vec<Outcome> {
+    let case = |number: u64| Case {
+        signal_to_noise,
+        angle_deg: (number * 37 % 180) as f64 + 0.5,
+        seeing_pix,
+        form: if number.is_multiple_of(2) { SeeingForm::Gaussian } else { SeeingForm::Moffat { beta: 3.5 } },
+        stars_per_megapixel,
+        has_end: number % 4 >= 2,
+        seed: 7_000_000 + 1000 * number + (10.0 * seeing_pix) as u64,
+    };
+    (0..count).into_par_iter().map(|number| measured(case(number), &options(), optics(&case(number)))).collect()
+}
+
+/// Shares of streaks that are found at their place, and of detections at another place.
+fn completeness(cases: Vec<Case>) -> (f64, f64) {
+    let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
+    let is_at_its_place = |one: &&Outcome| {
+        let sense = if one.case.angle_deg > 45.0 { -1.0 } else { 1.0 };
+        let away_pix = one.measured.offset_pix.value - sense * one.offset_pix;
+        one.case.signal_to_noise > 0.0 && away_pix.abs() <= 1.5 * one.case.seeing_pix
+    };
+    let count = outcomes.len() as f64;
+    let found: Vec<&Outcome> = outcomes.iter().filter(|one| one.measured.is_detected).collect();
+    let right = found.iter().copied().filter(is_at_its_place).count();
+    (right as f64 / count, (found.len() - right) as f64 / count)
 }

@@ -110,20 +110,6 @@ fn verif_streaks_beside_the_edge_are_found() {
     }
 }
 
-/// Shares of streaks that are found at their place, and of detections at another place.
-fn completeness(cases: Vec<Case>) -> (f64, f64) {
-    let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
-    let is_at_its_place = |one: &&Outcome| {
-        let sense = if one.case.angle_deg > 45.0 { -1.0 } else { 1.0 };
-        let away_pix = one.measured.offset_pix.value - sense * one.offset_pix;
-        one.case.signal_to_noise > 0.0 && away_pix.abs() <= 1.5 * one.case.seeing_pix
-    };
-    let count = outcomes.len() as f64;
-    let found: Vec<&Outcome> = outcomes.iter().filter(|one| one.measured.is_detected).collect();
-    let right = found.iter().copied().filter(is_at_its_place).count();
-    (right as f64 / count, (found.len() - right) as f64 / count)
-}
-
 /// Completeness rises from a few to all streaks with the signal to noise, and detections elsewhere are rare.
 ///
 /// Bounds were set before the first run. `completeness_of_many` has more streaks.

@@ -4,16 +4,8 @@ use super::detection::check_false_detections;
 use super::widths::check_a_fitted_width;
 use super::*;
 
-/// Smallest share of streaks found at a signal to noise of 10, and of 30.
-const FOUND_AT_10: f64 = 0.95;
-const FOUND_AT_30: f64 = 0.99;
 /// Number of streaks in the whole sample at a signal to noise of 10.
 const ALL_AT_10: usize = 480;
-
-const BRIGHTNESS: [f64; 4] = [10.0, 30.0, 100.0, 400.0];
-const ANGLES_DEG: [f64; 4] = [3.0, 30.0, 52.0, 88.0];
-const SEEING_PIX: [f64; 3] = [2.2, 4.0, 7.0];
-const STARS: [f64; 3] = [0.0, 100.0, 1000.0];
 
 /// All combinations of brightness, angle, seeing and crowding, or every n-th of them. Repeats differ in form and end.
 fn grid(repeats: Range<u64>, step: usize) -> Vec<Outcome> {
@@ -84,13 +76,6 @@ fn check_fluxes(samples: &[Sample], within_one_sigma: &RangeInclusive<f64>) {
     assert!(failures.is_empty(), "{failures:?}");
 }
 
-/// Prints a line of the table of docs/explanation/measuring.md: bias of the flux, its standard error and the share
-/// within one sigma as fractions, and the number of detected streaks of all.
-fn print_row(name: &str, fractions: [f64; 3], found: usize, all: usize) {
-    let [bias, error, share] = fractions.map(|fraction| 100.0 * fraction);
-    println!("| {name} | {bias:+.1} ± {error:.1} % | {share:.1} % | {found} of {all} |");
-}
-
 /// Checks the share of streaks found, except among 1,000 stars per megapixel, where the search is not complete at these
 /// ratios of signal to noise (docs/explanation/measuring.md).
 fn check_completeness(outcomes: &[Outcome]) {
@@ -128,20 +113,6 @@ const COVERAGE_SIGNALS: [f64; 4] = [8.0, 20.0, 60.0, 300.0];
 const COVERAGE_SEEING_PIX: [f64; 5] = [0.8, 1.2, 2.0, 3.5, 6.0];
 /// Number of streaks in a cell.
 const COVERAGE_COUNT: u64 = 100;
-
-/// Measures the streaks of a cell, at all angles, half of them with a Moffat profile and half with an end in the frame.
-fn cell(signal_to_noise: f64, seeing_pix: f64, stars_per_megapixel: f64, count: u64) -> Vec<Outcome> {
-    let case = |number: u64| Case {
-        signal_to_noise,
-        angle_deg: (number * 37 % 180) as f64 + 0.5,
-        seeing_pix,
-        form: if number.is_multiple_of(2) { SeeingForm::Gaussian } else { SeeingForm::Moffat { beta: 3.5 } },
-        stars_per_megapixel,
-        has_end: number % 4 >= 2,
-        seed: 7_000_000 + 1000 * number + (10.0 * seeing_pix) as u64,
-    };
-    (0..count).into_par_iter().map(|number| measured(case(number), &options(), optics(&case(number)))).collect()
-}
 
 /// Prints the share of fluxes within one sigma, with its binomial error, and the share with the flag `width`, by
 /// density of stars, seeing and signal to noise. The share of each row must be that of one sigma.

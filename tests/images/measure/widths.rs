@@ -2,9 +2,6 @@
 
 use super::*;
 
-/// Largest share of streaks with exactly the given seeing that have the flag `width`.
-const WRONG_WIDTHS: f64 = 0.03;
-
 /// The width of faint and narrow streaks has a large error, so that it differs from the right one by chance.
 #[test]
 fn verif_streaks_with_the_given_seeing_have_no_flag_of_the_width() {

@@ -21,11 +21,14 @@ const HIGHEST_M: f64 = 9000.0;
 /// Name of a site whose header has only its position.
 pub const UNNAMED_SITE: &str = "site of the header";
 
+/// Keywords that give a site, and the site.
+pub(super) type StatedSite = (String, Site);
+
 /// Returns the positions of the headers, with the keywords that give them: [`CARTESIAN`] before [`GEODETIC`].
 ///
 /// # Errors
 /// A number is invalid, or a position is not on the Earth.
-pub(super) fn positions(keywords: Keywords<'_>) -> Result<Vec<(String, Site)>, Error> {
+pub(super) fn positions(keywords: Keywords<'_>) -> Result<Vec<StatedSite>, Error> {
     let name = name_of_telescope(keywords).unwrap_or_else(|| UNNAMED_SITE.to_owned());
     let mut sites = Vec::new();
     for names in [CARTESIAN, GEODETIC] {
@@ -47,7 +50,7 @@ pub(super) fn positions(keywords: Keywords<'_>) -> Result<Vec<(String, Site)>, E
 }
 
 /// Returns the sites of codes of the Minor Planet Center with their keywords, and an unknown code with its keyword.
-pub(super) fn codes(keywords: Keywords<'_>) -> (Vec<(String, Site)>, Option<(String, String)>) {
+pub(super) fn codes(keywords: Keywords<'_>) -> (Vec<StatedSite>, Option<(String, String)>) {
     let (mut sites, mut unknown) = (Vec::new(), None);
     for keyword in MPC_CODES {
         let number = keywords.number(&[keyword], |_| true).map(|(name, number, _)| (name, format!("{number:03}")));
