@@ -112,7 +112,8 @@ impl LoadedInputs {
             ephemerides.iter().filter(|ephemeris| !is_own(ephemeris)).cloned().collect();
         let without_elements = without_elements(&of_satellites, &elements);
         if !without_elements.is_empty() && elements.is_empty() {
-            let satellites = listed(without_elements.iter().map(String::as_str));
+            let satellites: BTreeSet<&str> = without_elements.iter().map(String::as_str).collect();
+            let satellites = listed(satellites);
             return Err(Error::missing(
                 format!(
                     "element sets of {satellites}: an ephemeris has only positions, and the element set determines the \
