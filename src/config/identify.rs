@@ -13,7 +13,7 @@ use super::values::{Quantity, in_range, parse_angle_deg, parse_duration_s, parse
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, parse_start, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line};
-use crate::images::{OUTLINES, Outline, PixelPosition, parse_regions};
+use crate::images::{OUTLINES, Outline, parse_regions};
 use crate::input;
 
 /// Default clock error (one sigma), seconds.
@@ -81,7 +81,7 @@ pub struct IdentifyConfig {
     #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "N"))]
     #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub hdu: Option<usize>,
-    /// DS9 region file drawn around the streak: polygons, boxes, lines or vectors in fk5, icrs or image
+    /// DS9 region file drawn around the streak: polygons, boxes, lines or vectors in fk5, icrs, image or physical
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub region: Option<PathBuf>,
     /// Position error (one sigma) of an end with its unit; if omitted 5arcsec, 3 pixels in a frame, a quarter of the
@@ -329,15 +329,10 @@ impl IdentifyConfig {
         let text = input::read_to_string(path).map_err(Error::io(path))?;
         let mut outlines = Vec::new();
         for region in parse_regions(&path.display().to_string(), &text, OUTLINES)? {
-            outlines.push(match region.outline {
-                Outline::Sky(corners) => corners,
-                Outline::Pixels(corners) => {
-                    self.on_sky(&corners).map_err(|error| error.in_line("", path, region.line))?
-                }
-            });
+            outlines.push(self.on_sky(region.outline).map_err(|error| error.in_line("", path, region.line))?);
         }
         if outlines.is_empty() {
-            let allowed = format!("1 or more: {OUTLINES} in fk5, icrs or image");
+            let allowed = format!("1 or more: {OUTLINES} in fk5, icrs, image or physical");
             return Err(Error::invalid("number of regions", 0, allowed).in_file("", path));
         }
         let line = fit_line(&outlines).map_err(|error| error.in_file("", path))?;
@@ -350,16 +345,29 @@ impl IdentifyConfig {
     }
 
     #[cfg(not(all(feature = "fits", unix)))]
-    fn on_sky(&self, _: &[PixelPosition]) -> Result<Vec<Direction<Gcrs>>, Error> {
-        Err(request("this build cannot read frames; regions in image need the cargo feature fits"))
+    fn on_sky(&self, outline: Outline) -> Result<Vec<Direction<Gcrs>>, Error> {
+        match outline {
+            Outline::Sky(corners) => Ok(corners),
+            _ => Err(request("this build cannot read frames; regions in pixels need the cargo feature fits")),
+        }
     }
 
     /// Returns the directions of the corners or ends of the part of a region in the frame.
     #[cfg(all(feature = "fits", unix))]
-    fn on_sky(&self, pixels: &[PixelPosition]) -> Result<Vec<Direction<Gcrs>>, Error> {
-        let Some(frame) = &self.image else {
-            return Err(Error::missing("frame of a region in image", "--image FRAME, or a region in fk5 or icrs"));
+    fn on_sky(&self, outline: Outline) -> Result<Vec<Direction<Gcrs>>, Error> {
+        use super::identify_frame::{header, region};
+        let frame = || {
+            let allowed = "--image FRAME, or a region in fk5 or icrs";
+            self.image.as_ref().ok_or_else(|| Error::missing("frame of a region in pixels", allowed))
         };
-        super::identify_frame::region(frame, self.hdu, pixels)
+        match outline {
+            Outline::Sky(corners) => Ok(corners),
+            Outline::Pixels(corners) => region(frame()?, self.hdu, &corners),
+            Outline::Physical(mut corners) => {
+                let header = header(frame()?, self.hdu)?;
+                corners.iter_mut().for_each(|at| *at = at.of_physical(&header));
+                region(frame()?, self.hdu, &corners)
+            }
+        }
     }
 }

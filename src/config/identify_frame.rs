@@ -46,6 +46,12 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), Error> {
     Ok((file, hdu))
 }
 
+/// Returns the header of the image in a frame.
+pub(super) fn header(path: &Path, hdu: Option<usize>) -> Result<Header, Error> {
+    let (file, hdu) = image(path, hdu)?;
+    file.header(hdu).cloned()
+}
+
 /// Returns the ends of the part of a line in the frame, or the line if it has none. A line that is fitted to a streak
 /// may have its ends outside of the frame.
 pub(super) fn clipped(

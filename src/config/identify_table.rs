@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::error;
 use super::identify::IdentifyConfig;
-use super::identify_frame::clipped;
+use super::identify_frame::{clipped, header};
 use super::measured_tables::frame_of;
 use crate::error::Error;
 use crate::images::{Bounded, RowOrigin, StreakEnds, StreakRow, StreakTable};
@@ -120,6 +120,12 @@ fn streak_of_row(
         StreakEnds::Pixels(ends) => {
             let Some(frame) = &streak.image else {
                 return Err(row.invalid("image", "", "the frame of a streak in pixels, or --image FRAME"));
+            };
+            let ends = if row.is_physical() {
+                let header = header(frame, streak.hdu)?;
+                ends.map(|end| end.of_physical(&header))
+            } else {
+                ends
             };
             let [from, to] = clipped(frame, streak.hdu, ends)?.map(|at| {
                 let [x, y] = at.fits();

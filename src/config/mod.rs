@@ -39,6 +39,7 @@ mod observation;
 mod paths;
 mod prepared;
 mod questions;
+mod reading;
 mod required;
 mod response_file;
 mod site;

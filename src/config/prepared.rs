@@ -19,6 +19,7 @@ use crate::elements::{Constellation, ElementSet, Ephemeris, Keep};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Observer;
+use crate::message::listed;
 use crate::orbit::{EphemerisCoverage, LeftOut};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, Field, Sky, Viewpoint, read_measured};
@@ -111,9 +112,15 @@ impl LoadedInputs {
             ephemerides.iter().filter(|ephemeris| !is_own(ephemeris)).cloned().collect();
         let without_elements = without_elements(&of_satellites, &elements);
         if !without_elements.is_empty() && elements.is_empty() {
+            let satellites: BTreeSet<&str> = without_elements.iter().map(String::as_str).collect();
+            let satellites = listed(satellites);
             return Err(Error::missing(
-                "element sets of the satellites with ephemerides",
-                "files of element sets in --elements too",
+                format!(
+                    "element sets of {satellites}: an ephemeris has only positions, and the element set determines the \
+                     search, the kind of satellite and its brightness model"
+                ),
+                "a file with its element set of about the same date in --elements too, such as that of streakcast fetch \
+                 celestrak --group active",
             ));
         }
         of_files.extend(warnings::of_ephemerides_without_elements(&without_elements));
@@ -507,6 +514,19 @@ mod tests {
         assert_eq!(warnings[..count], prepared.warnings[..]);
         assert!(warnings[count].starts_with("1 of 1 element set is more than 14 days from"), "{warnings:?}");
         assert!(warnings[count + 1].starts_with("the shells were generated for 2026-07-08, 31.8 days"), "{warnings:?}");
+    }
+
+    #[test]
+    fn ephemerides_alone_are_an_error_with_their_satellites() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ephemerides/invented.oem");
+        let config = Config::from_toml(&format!("elements = '{path}'\nmpc = 'X05'"), "t.toml").unwrap();
+        let start = utc("2026-08-15T00:00:00Z");
+        let message = config.prepare(start, start).unwrap_err().to_string();
+        assert!(message.starts_with("missing element sets of INVENTED"), "{message}");
+        assert!(
+            message.contains("the search, the kind of satellite") && message.contains("--elements too"),
+            "{message}"
+        );
     }
 
     #[test]

@@ -30,6 +30,7 @@ mod viewing;
 pub use limb::EarthLimb;
 pub(crate) use shadow::KARMAN_LINE_KM;
 pub use shadow::{Illumination, ShadowModel, illumination};
+pub(crate) use site::SAME_SITE_KM;
 pub use site::{Observer, ObserverState, Site};
 pub use sun::SunState;
 pub use topocentric::{Aspect, aspect};

@@ -22,6 +22,8 @@ mod header;
 mod light_area;
 mod magnitude_limit;
 mod patch;
+#[cfg(all(feature = "fits", unix))]
+mod physical;
 mod pixels;
 #[cfg(feature = "plot")]
 mod preview;

@@ -1,11 +1,12 @@
 //! Regions of SAOImage DS9: boxes, polygons, lines and vectors on the sky or in pixels of a frame.
 //!
-//! Format (DS9 reference manual, "Regions"): a coordinate system (`image`, `fk5`, `j2000`, `icrs`), then shapes with
+//! Format (DS9 reference manual, "Regions"): a coordinate system (`image`, `physical`, `fk5`, `j2000`, `icrs`), then shapes with
 //! their numbers in brackets or after blanks, separated by commas or blanks. Each shape is in the last system above it.
 //! `;` separates statements, `#` starts a comment, `global` lines are ignored; an excluded shape (`-`) is an error. DS9
 //! saves vectors, projections and segments behind `#`, because other programs do not know them; vectors, projections (a
 //! line) and segments of two points are read. FK5 of equinox 2000 is read as ICRS: they differ by 0.02 arcsec. Pixels
-//! are counted from 1, and sizes in `image` are pixels.
+//! are counted from 1, and sizes in `image` and `physical` are pixels. Physical pixels are those of the frame before it was cut or
+//! binned ([`PixelPosition::of_physical`]).
 
 use nalgebra::Vector3;
 
@@ -15,8 +16,8 @@ use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascensio
 
 const SKY_SYSTEMS: [&str; 3] = ["fk5", "j2000", "icrs"];
 /// Coordinate systems of DS9 that are recognised but not supported.
-const OTHER_SYSTEMS: [&str; 10] =
-    ["physical", "linear", "amplifier", "detector", "fk4", "b1950", "galactic", "ecliptic", "wcs", "wcsa"];
+const OTHER_SYSTEMS: [&str; 9] =
+    ["linear", "amplifier", "detector", "fk4", "b1950", "galactic", "ecliptic", "wcs", "wcsa"];
 /// Shapes that a caller uses, for errors: regions around a streak, and streaks.
 pub const OUTLINES: &str = "polygon, box, line and vector";
 #[cfg(all(feature = "fits", unix))]
@@ -40,6 +41,8 @@ pub struct Region {
 pub enum Outline {
     /// Positions in a frame.
     Pixels(Vec<PixelPosition>),
+    /// Positions in physical pixels.
+    Physical(Vec<PixelPosition>),
     /// ICRS directions.
     Sky(Vec<Direction<Gcrs>>),
 }
@@ -48,6 +51,7 @@ pub enum Outline {
 #[derive(Copy, Clone)]
 enum System {
     Image,
+    Physical,
     Sky,
 }
 
@@ -55,7 +59,9 @@ enum System {
 #[cfg(all(feature = "fits", unix))]
 pub(super) fn is_region_system(text: &str) -> bool {
     let name = text.to_ascii_lowercase();
-    name == "image" || SKY_SYSTEMS.contains(&name.as_str()) || OTHER_SYSTEMS.contains(&name.as_str())
+    ["image", "physical"].contains(&name.as_str())
+        || SKY_SYSTEMS.contains(&name.as_str())
+        || OTHER_SYSTEMS.contains(&name.as_str())
 }
 
 /// Parses a region file; `path` is its name in errors, and `shapes` are the accepted ones in their words.
@@ -63,7 +69,7 @@ pub(super) fn is_region_system(text: &str) -> bool {
 /// # Errors
 /// A line has another coordinate system or shape, or invalid numbers.
 pub fn parse_regions(path: &str, text: &str, shapes: &str) -> Result<Vec<Region>, Error> {
-    let allowed = format!("allowed: {shapes} in fk5, icrs or image");
+    let allowed = format!("allowed: {shapes} in fk5, icrs, image or physical");
     let mut regions = Vec::new();
     let mut system: Option<Result<System, String>> = None;
     for (number, line) in text.lines().enumerate() {
@@ -75,6 +81,7 @@ pub fn parse_regions(path: &str, text: &str, shapes: &str) -> Result<Vec<Region>
             }
             let named = match lower.as_str() {
                 "image" => Some(Ok(System::Image)),
+                "physical" => Some(Ok(System::Physical)),
                 name if SKY_SYSTEMS.contains(&name) => Some(Ok(System::Sky)),
                 name if OTHER_SYSTEMS.contains(&name) => Some(Err(lower.clone())),
                 _ => None,
@@ -150,8 +157,9 @@ fn outline(statement: &str, system: System, allowed: &str) -> Result<Outline, St
         inside.split(|mark: char| mark == ',' || mark.is_whitespace()).filter(|number| !number.is_empty()).collect();
     let shape = shape.trim_start_matches('+').to_ascii_lowercase();
     match system {
-        System::Image => {
-            corners(&shape, &numbers, pixel, length_pix, moved_pix).map(|corners| corners.map(Outline::Pixels))
+        System::Image | System::Physical => {
+            let outline = if matches!(system, System::Image) { Outline::Pixels } else { Outline::Physical };
+            corners(&shape, &numbers, pixel, length_pix, moved_pix).map(|corners| corners.map(outline))
         }
         System::Sky => corners(&shape, &numbers, position, size_rad, moved).map(|corners| corners.map(Outline::Sky)),
     }?
@@ -259,7 +267,7 @@ mod tests {
         let regions = parse_regions("a.reg", text, OUTLINES).unwrap().into_iter();
         let corners = regions.map(|region| match region.outline {
             Outline::Sky(corners) => corners,
-            Outline::Pixels(corners) => panic!("{corners:?}"),
+            pixels => panic!("{pixels:?}"),
         });
         corners.collect()
     }
@@ -313,7 +321,7 @@ mod tests {
         assert!(message("line(400,2,3,4)").contains("\"400\" is not a right ascension"));
         assert!(message("box(1,2,x,3)").contains("invalid size 'x'"));
         assert!(
-            message("physical\nline(1,2,3,4)").starts_with("a.reg: line 5: unsupported coordinate system physical")
+            message("amplifier\nline(1,2,3,4)").starts_with("a.reg: line 5: unsupported coordinate system amplifier")
         );
         assert!(message("image\nline(1,2,3,x)").contains("invalid pixel 'x'"));
         assert!(message("image\nvector(1,2,3\",4)").contains("invalid size '3\"'; allowed: a number of pixels"));
@@ -327,15 +335,16 @@ mod tests {
     fn pixels_and_sky_in_one_file() {
         let text = format!(
             "{HEAD}image;line(1,2,3.5,4) # text={{a;b #3}}\n# vector(10,20,5,90) vector=1 text='two'\n\
-             icrs\nline(10,20,11,21)\nimage\nbox(5,5,4,2,90)\n"
+             icrs\nline(10,20,11,21)\nimage\nbox(5,5,4,2,90)\nphysical;# vector(10,20,5,90) vector=1\n"
         );
         let regions = parse_regions("a.reg", &text, OUTLINES).unwrap();
         let of = |region: &Region| (region.line, region.name.clone());
-        let expected = [(4, "a;b #3"), (5, "two"), (7, ""), (9, "")].map(|(line, name)| (line, name.to_owned()));
+        let expected =
+            [(4, "a;b #3"), (5, "two"), (7, ""), (9, ""), (10, "")].map(|(line, name)| (line, name.to_owned()));
         assert_eq!(regions.iter().map(of).collect::<Vec<_>>(), expected);
         let pixels = |index: usize| match &regions[index].outline {
             Outline::Pixels(corners) => corners.iter().map(|corner| corner.fits()).collect::<Vec<_>>(),
-            Outline::Sky(corners) => panic!("{corners:?}"),
+            other => panic!("{other:?}"),
         };
         assert_eq!(pixels(0), [[1.0, 2.0], [3.5, 4.0]]);
         let [x, y] = pixels(1)[1];
@@ -343,5 +352,7 @@ mod tests {
         let [x, y] = pixels(3)[0];
         assert!((x - 6.0).abs() < 1e-9 && (y - 3.0).abs() < 1e-9, "{x} {y}");
         assert!(matches!(&regions[2].outline, Outline::Sky(ends) if ends.len() == 2));
+        let Outline::Physical(ends) = &regions[4].outline else { panic!("{:?}", regions[4]) };
+        assert_eq!(ends[0].fits(), [10.0, 20.0]);
     }
 }

@@ -34,6 +34,8 @@ pub(super) struct StreakText {
     pub text: String,
     /// Number of lines before the rows of a FITS table, which has no lines.
     pub lines_before_rows: Option<u64>,
+    /// Numbers from 1 of the rows whose pixels are physical: regions of DS9 in this system.
+    pub physical: Vec<usize>,
     /// Errors of rows of detectors that cannot be converted.
     pub invalid: Vec<Error>,
 }
@@ -51,7 +53,8 @@ pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
         (input::text_of(bytes).map(input::without_mark).map_err(Error::io(path))?, None)
     };
     if is_ds9(&text) {
-        return Ok(StreakText { text: ds9(path, &text)?, lines_before_rows, invalid: Vec::new() });
+        let (text, physical) = ds9(path, &text)?;
+        return Ok(StreakText { text, lines_before_rows, physical, invalid: Vec::new() });
     }
     let text = if text.starts_with("#ID ") { separated(path, &text)? } else { text };
     let rows = TableRows::new(text.clone()).map_err(Error::io(path))?.in_lower_case();
@@ -64,7 +67,7 @@ pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
     } else {
         text
     };
-    Ok(StreakText { text, lines_before_rows, invalid })
+    Ok(StreakText { text, lines_before_rows, physical: Vec::new(), invalid })
 }
 
 /// Returns true for a file of regions: its first line is that of DS9, a coordinate system, `global` or a shape.
@@ -79,15 +82,20 @@ fn is_ds9(text: &str) -> bool {
     first.starts_with(DS9_HEAD) || first.starts_with("global ") || is_shape(first) || is_system
 }
 
-/// Converts regions: each row has its ends in pixels or on the sky.
-fn ds9(path: &Path, text: &str) -> Result<String, Error> {
+/// Converts regions: each row has its ends in pixels or on the sky. Also returns the numbers of the rows from 1 whose
+/// pixels are physical.
+fn ds9(path: &Path, text: &str) -> Result<(String, Vec<usize>), Error> {
     let regions = parse_regions(&path.display().to_string(), text, STREAKS)?;
-    let in_pixels = |region: &Region| matches!(region.outline, Outline::Pixels(_));
+    let in_pixels = |region: &Region| !matches!(region.outline, Outline::Sky(_));
+    let is_physical = |region: &Region| matches!(region.outline, Outline::Physical(_));
+    let physical = (1..).zip(&regions).filter(|(_, region)| is_physical(region)).map(|(number, _)| number).collect();
     let (has_pixels, has_sky) = (regions.iter().any(in_pixels), !regions.iter().all(in_pixels));
     let mut rows = Vec::new();
     for region in &regions {
         let ends: Vec<[f64; 2]> = match &region.outline {
-            Outline::Pixels(corners) => corners.iter().map(|corner| corner.fits()).collect(),
+            Outline::Pixels(corners) | Outline::Physical(corners) => {
+                corners.iter().map(|corner| corner.fits()).collect()
+            }
             Outline::Sky(corners) => corners
                 .iter()
                 .map(|corner| [corner.longitude_rad(), corner.latitude_rad()].map(f64::to_degrees))
@@ -112,7 +120,7 @@ fn ds9(path: &Path, text: &str) -> Result<String, Error> {
         (false, _) => "id,ra1_deg,dec1_deg,ra2_deg,dec2_deg",
         (true, true) => "id,x1_pix,y1_pix,x2_pix,y2_pix,ra1_deg,dec1_deg,ra2_deg,dec2_deg",
     };
-    Ok(at_lines(columns, rows))
+    Ok((at_lines(columns, rows), physical))
 }
 
 /// Returns a table in which each row has its line, below the names of the columns in the first one. A row of the first
@@ -331,7 +339,7 @@ mod tests {
         for text in ["image\nline(1,2,3,4)\n", "image;line(1,2,3,4)\n", "global color=red\nimage\n# segment(1,2,3,4)\n"]
         {
             assert!(is_ds9(text), "{text}");
-            let rows = ds9(Path::new("a.reg"), text).unwrap();
+            let rows = ds9(Path::new("a.reg"), text).unwrap().0;
             assert!(rows.starts_with("id,x1_pix,y1_pix,x2_pix,y2_pix\n") && rows.contains("\n\"\",1,2,3,4"), "{rows}");
         }
         for text in [
@@ -348,7 +356,7 @@ mod tests {
 
     #[test]
     fn regions_of_ds9_are_converted_with_their_lines() {
-        let of = |text: &str| ds9(Path::new("a.reg"), &format!("{HEAD}{text}"));
+        let of = |text: &str| ds9(Path::new("a.reg"), &format!("{HEAD}{text}")).map(|(rows, _)| rows);
         let rows =
             of("image\nline(1,2,3.5,4) # line=0 0 text={one}\n\n# vector(10,20,5,0) text={#2, \"b\"}\n").unwrap();
         let lines: Vec<&str> = rows.lines().collect();
@@ -365,7 +373,7 @@ mod tests {
             ("image\ncircle(1,2,3)\n", 4, "unsupported shape 'circle'"),
             ("image\nbox(1,2,3,4)\n", 4, "a shape with 4 corners; allowed: line, vector, segment and projection"),
             ("line(1,2,3,4)\n", 3, "has no preceding coordinate system"),
-            ("physical\nline(1,2,3,4)\n", 4, "unsupported coordinate system physical"),
+            ("detector\nline(1,2,3,4)\n", 4, "unsupported coordinate system detector"),
         ] {
             let message = of(text).unwrap_err().to_string();
             assert!(message.contains(&format!("a.reg: line {line}: ")) && message.contains(problem), "{message}");
@@ -377,10 +385,15 @@ mod tests {
     fn regions_in_pixels_and_on_the_sky_are_one_table() {
         let folder = tempfile::TempDir::new().unwrap();
         let path = folder.path().join("a.reg");
-        std::fs::write(&path, "image;line(1,2,3,4);line(5,6,7,8)\nicrs\nline(10,-10,11,-11)\n").unwrap();
+        let text = "image;line(1,2,3,4);line(5,6,7,8)\nicrs\nline(10,-10,11,-11)\nphysical;# vector(9,9,1,0)\n";
+        std::fs::write(&path, text).unwrap();
         let table = streak_table(&path);
         let ends: Vec<StreakEnds> = table.rows().map(|row| row.ends().unwrap()).collect();
-        let [StreakEnds::Pixels(_), StreakEnds::Pixels(second), StreakEnds::Sky(third)] = &ends[..] else {
+        let are_physical: Vec<bool> = table.rows().map(|row| row.is_physical()).collect();
+        assert_eq!(are_physical, [false, false, false, true]);
+        let [StreakEnds::Pixels(_), StreakEnds::Pixels(second), StreakEnds::Sky(third), StreakEnds::Pixels(_)] =
+            &ends[..]
+        else {
             panic!("{ends:?}")
         };
         assert_eq!(second.map(|end| end.fits()), [[5.0, 6.0], [7.0, 8.0]]);

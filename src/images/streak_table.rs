@@ -68,6 +68,8 @@ pub struct StreakTable {
     invalid: Vec<Error>,
     /// Number of lines before the rows of a FITS table, whose rows have numbers in errors.
     lines_before_rows: Option<u64>,
+    /// Numbers of the rows whose pixels are physical.
+    physical: Vec<usize>,
 }
 
 /// The way in which four columns give the ends of a streak.
@@ -147,7 +149,7 @@ impl StreakTable {
         further: impl FnOnce(&TableRows) -> io::Result<T>,
     ) -> Result<(Self, T), Error> {
         let failed = Error::io(path);
-        let StreakText { text, lines_before_rows, mut invalid } = streak_catalogues::read(path)?;
+        let StreakText { text, lines_before_rows, physical, mut invalid } = streak_catalogues::read(path)?;
         let mut rows = TableRows::new(text).map_err(&failed)?.in_lower_case();
         let check = |name: &&'static str| rows.check_unambiguous(name).map_err(&failed);
         let mut forms = Vec::new();
@@ -196,6 +198,7 @@ impl StreakTable {
             rows,
             invalid,
             lines_before_rows,
+            physical,
         };
         Ok((table, more))
     }
@@ -309,6 +312,11 @@ impl StreakRow<'_> {
     pub fn id(&self) -> String {
         let names = [self.table.id, self.table.streak].map(|column| self.text(column));
         names.into_iter().find(|name| !name.is_empty()).map_or_else(|| self.number.to_string(), str::to_owned)
+    }
+
+    /// Returns true if ends in pixels are in physical pixels: see [`PixelPosition::of_physical`].
+    pub fn is_physical(&self) -> bool {
+        self.table.physical.contains(&self.number)
     }
 
     /// Returns the name of the file to which the row belongs; `None` for all.

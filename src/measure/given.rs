@@ -116,7 +116,7 @@ impl ListedStreak {
         let given = self.given.as_ref()?;
         let index = given.chip_index(&hdus(frame), frame.file.path()).ok()?.unwrap_or(0);
         let chip = &frame.chips[index].chip;
-        let ends = match given.ends {
+        let ends = match given.in_frame(frame.file.header(chip.hdu).ok()?).ends {
             StreakEnds::Sky(ends) => ends,
             StreakEnds::Pixels([from, to]) => [chip.wcs.to_sky(from)?, chip.wcs.to_sky(to)?],
         };
@@ -229,6 +229,7 @@ fn placed(
     let Some((unit_mag, (centre, _))) = chip.scale.magnitude(1.0).zip(chip.circle()) else {
         return Ok(Err(Flag::Outside));
     };
+    let given = given.in_frame(frame.file.header(chip.hdu)?);
     let time = (frame.opened, frame.exposure_s);
     let track: SkyTrack = given.track(chip, time, (&Tracking::Sidereal, &centre), unit_mag)?;
     let ends_s = [track.points[0].time_s, track.points[track.points.len() - 1].time_s];

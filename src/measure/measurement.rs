@@ -2,7 +2,7 @@
 
 use super::background::Background;
 use crate::images::{LightArea, PixelPosition, Plane};
-use crate::streaks::StreakPath;
+use crate::streaks::{SkyPoint, StreakPath};
 
 /// Image with a streak.
 #[derive(Copy, Clone, Debug)]
@@ -55,7 +55,7 @@ pub struct PredictedStreak {
 
 impl PredictedStreak {
     /// Distance of a satellite whose distance is unknown, km: it is a point in focus.
-    pub const FAR_KM: f64 = 1e9;
+    pub const FAR_KM: f64 = SkyPoint::FAR_KM;
 }
 
 /// Options of a measurement.

@@ -38,6 +38,7 @@ mod report;
 mod scheduled;
 mod shift;
 mod starts;
+mod stated_altitudes;
 mod streak_costs;
 mod tables;
 mod targets;

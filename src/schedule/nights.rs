@@ -110,6 +110,7 @@ mod tests {
             time_scale: TimeScale::UTC,
             comments_like_rows: 0,
             other_ends: None,
+            stated_altitudes: Vec::new(),
             warnings_of_file: Vec::new(),
         }
     }

@@ -80,6 +80,8 @@ pub struct Schedule {
     /// Number of exposures for which a column has another end than start and duration, and the values of the first of
     /// them.
     pub(super) other_ends: Option<(usize, String)>,
+    /// First exposures with the altitudes in a column of the file, degrees.
+    pub(super) stated_altitudes: Vec<(Exposure, f64)>,
     /// Warnings about the content of the file.
     pub(super) warnings_of_file: Vec<String>,
 }
@@ -201,6 +203,8 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
     let other_starts = with_scales(&table, start_columns(&table.names).filter(|column| *column != map.start), None);
     let ends = with_scales(&table, end_columns(&table.names), Some(scale).filter(|_| map.start.scale.is_none()));
     let (mut other_ends, mut most_decimals) = (None, None);
+    let altitude = map.altitude.and_then(|index| Some((index, table.scale(path, index, &DEGREES).ok()?)));
+    let mut stated_altitudes = Vec::new();
     let exposures: Vec<ScheduledExposure> = table
         .rows
         .iter()
@@ -211,6 +215,12 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
                 let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
                 if map.start.form != StartForm::Iso {
                     most_decimals = most_decimals.max(cell(map.start.index).text().map(|text| decimals(&text)));
+                }
+                if let Some((index, scale)) = altitude.filter(|_| stated_altitudes.len() < COMPARED_ALTITUDES)
+                    && let Some(altitude_deg) = cell(index).number().ok().map(|number| scale * number)
+                    && (0.0..=90.0).contains(&altitude_deg)
+                {
+                    stated_altitudes.push((exposure.clone(), altitude_deg));
                 }
                 if let Some((end, stated)) = contradiction(cell, exposure, &map.start, &ends, Moment::End) {
                     let (count, _) = other_ends.get_or_insert_with(|| (0, format!("{end} (used) and {stated}")));
@@ -246,9 +256,13 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         time_scale: scale,
         comments_like_rows,
         other_ends,
+        stated_altitudes,
         warnings_of_file,
     })
 }
+
+/// Number of exposures whose altitudes are compared with those of the site.
+const COMPARED_ALTITUDES: usize = 50;
 
 /// Largest step of start times that is not a rounding, s. Five decimals of a day have a step of 0.9 s.
 const LARGEST_STEP_S: f64 = 1.0;

@@ -131,7 +131,7 @@ fn invalid_streaks_give_one_line() {
         ),
         ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: unsupported shape 'circle'"),
         (with(&["--region", "missing.reg"]), "missing.reg"),
-        ([vec!["--region", &pixels], shutter.to_vec()].concat(), "line 4: missing frame of a region in image"),
+        ([vec!["--region", &pixels], shutter.to_vec()].concat(), "line 4: missing frame of a region in pixels"),
         ([vec!["--region", &none], shutter.to_vec()].concat(), "none.reg: number of regions is 0; allowed: 1 or more"),
     ];
     #[cfg(unix)]

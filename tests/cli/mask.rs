@@ -86,7 +86,7 @@ fn verif_injected_streaks_are_masked_in_all_outputs() {
         .into_iter()
         .map(|region| match region.outline {
             Outline::Sky(corners) => corners.into_iter().map(|corner| wcs.to_pixel(corner).unwrap()).collect(),
-            Outline::Pixels(corners) => panic!("{corners:?}"),
+            pixels => panic!("{pixels:?}"),
         })
         .collect();
     let is_inside = |x: f64, y: f64, outline: &[PixelPosition]| {

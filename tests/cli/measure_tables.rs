@@ -209,6 +209,36 @@ fn wide(folder: &TempDir, name: &str, start: &str) -> (String, Vec<csv::StringRe
     (frame, records(&fs::read_to_string(truth).unwrap()))
 }
 
+/// Regions of DS9 in physical pixels are those of the frame, or of the larger frame from which it was cut and binned.
+#[test]
+fn regions_in_physical_pixels_are_read() {
+    use crate::common::injected::with_new_cards;
+    let folder = TempDir::new().unwrap();
+    let (frame, truth) = wide(&folder, "v.fits", "2026-08-14T23:29:05Z");
+    let [regions, cut] = ["a.reg", "cut.fits"].map(|name| path(&folder, name));
+    let id = column(&truth, "norad_id")[0].clone();
+    let [x1, y1, x2, y2] = ["x1_pix", "y1_pix", "x2_pix", "y2_pix"].map(|name| numbers(&truth, name)[0]);
+    // Axis 1 is in bins of two, from column 41 on; axis 2 begins at row 11.
+    let cards = [("LTM1_1", "0.5"), ("LTV1", "-19.75"), ("LTM2_2", "1.0"), ("LTV2", "-10.0")];
+    fs::write(&cut, with_new_cards(&fs::read(&frame).unwrap(), &cards)).unwrap();
+    for (frame, [x1, y1, x2, y2], system) in [
+        (&frame, [x1, y1, x2, y2], "image"),
+        (&frame, [x1, y1, x2, y2], "physical"),
+        (&cut, [(x1 + 19.75) * 2.0, y1 + 10.0, (x2 + 19.75) * 2.0, y2 + 10.0], "physical"),
+    ] {
+        fs::write(&regions, format!("{system};line({x1},{y1},{x2},{y2}) # text={{a}}\n")).unwrap();
+        for words in [&["--streaks"][..], &["--region"]] {
+            let identify = ["identify", words[0], &regions, "--image", frame, "--top", "1", "--quiet"];
+            let answer = json(&[&identify, SATELLITES]);
+            assert_eq!(answer["candidates"][0]["norad_id"].to_string(), id, "{system} {words:?} {answer}");
+        }
+        let document =
+            json(&[&["measure", frame, "--streaks", &regions, "--seeing", "90arcsec", "--quiet"], SATELLITES]);
+        let row = &document["measurements"][0];
+        assert_eq!((row["norad_id"].to_string(), row["detected"].clone()), (id.clone(), true.into()), "{system} {row}");
+    }
+}
+
 /// Rows without a measurement or a satellite are left out by the verbs that read tables of `measure --streaks`, and
 /// what is unknown about a satellite is not stated.
 #[test]

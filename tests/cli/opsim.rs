@@ -171,6 +171,49 @@ fn rubins_night_is_annotated_and_keeps_all_cells() {
     assert!(number("SELECT count(*) FROM streak_provenance WHERE name = 'elements'") == 1);
 }
 
+/// The altitudes of a schedule show that it is of another site, also in other formats.
+#[test]
+fn altitudes_of_another_site_give_a_warning() {
+    use hifitime::Epoch;
+    use streakcast::geometry::{Observer, Site};
+    use streakcast::{frames::EopTable, passes::Viewpoint, schedule::lowest_altitude_rad};
+    let folder = tempfile::tempdir().unwrap();
+    let [database, table, output] = ["a.db", "a.csv", "b.db"].map(|name| path(&folder, name));
+    let rubin = Viewpoint::from(Observer::new(Site::from_mpc("X05").unwrap()));
+    let rows: Vec<String> = (0..4)
+        .map(|row| {
+            let (mjd, ra_deg) = (61266.98 + 0.001 * f64::from(row), 217 + row);
+            let exposure =
+                streakcast::Exposure::new("2026-08-14T00:00:00Z", 30.0, &format!("{ra_deg}"), "-30").unwrap();
+            let exposure = streakcast::Exposure { start: Epoch::from_mjd_utc(mjd), ..exposure };
+            let altitude_deg = lowest_altitude_rad(&exposure, &rubin, &EopTable::embedded()).to_degrees();
+            format!("{row}, {mjd}, 30.0, {ra_deg}, -30, 0, {:.2}", altitude_deg + 0.3)
+        })
+        .collect();
+    let inserted: Vec<String> = rows.iter().map(|row| format!("({row})")).collect();
+    rusqlite::Connection::open(&database)
+        .unwrap()
+        .execute_batch(&format!(
+            "CREATE TABLE observations (observationId, observationStartMJD, visitExposureTime, fieldRA, fieldDec, \
+             rotSkyPos, altitude); INSERT INTO observations VALUES {};",
+            inserted.join(", ")
+        ))
+        .unwrap();
+    let names = "exposure_id, start_mjd_utc, duration_s, ra_deg, dec_deg, rotation_deg, altitude_deg";
+    fs::write(&table, format!("{names}\n{}\n", rows.join("\n")).replace(", ", ",")).unwrap();
+    let sky = ["--shells", "oneweb", "--time-scale", "utc", "--fov", "3.5deg"];
+    for (arguments, name) in
+        [(&["annotate", "--schedule", &database, "-o", &output][..], "opsim"), (&["flag", "--schedule", &table], "CSV")]
+    {
+        for (site, is_other) in [("Rubin", false), ("Paranal", true), ("CTIO", false), ("Subaru", true)] {
+            let (code, _, stderr) = run(&[arguments, &sky, &["--site", site]]);
+            let warning = format!("the altitudes in the schedule differ from those at {site} by ");
+            assert_eq!((code, stderr.contains(&warning)), (0, is_other), "{name} {site}: {stderr}");
+            std::fs::remove_file(&output).ok();
+        }
+    }
+}
+
 /// The exposure time of a visit is the sum over its snaps, which are open for longer with the readout between them.
 #[test]
 fn visits_of_several_snaps_last_until_the_last_one() {

@@ -64,7 +64,7 @@ fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
         let regions = parse_regions(file, &std::fs::read_to_string(path).unwrap(), OUTLINES).unwrap().into_iter();
         let outlines = regions.map(|region| match region.outline {
             Outline::Sky(corners) => corners,
-            Outline::Pixels(corners) => panic!("{file}: {corners:?}"),
+            pixels => panic!("{file}: {pixels:?}"),
         });
         let line = fit_line(&outlines.collect::<Vec<_>>()).unwrap();
         let time = (seconds_after(passage, -15.0), 30.0);

@@ -19,12 +19,12 @@ E2 = F * (2 - F)
 # (MPC code, name, aliases, position or None)
 SITES = [
     # Chile and Argentina
-    ("X05", "Rubin Observatory", "Rubin|Vera C. Rubin Observatory|LSST|Simonyi Survey Telescope|Cerro Pachon", (-30.244639, -70.749417, 2663)),  # Rubin LSE-180
+    ("X05", "Rubin Observatory", "Rubin|Vera C. Rubin Observatory|LSST|Simonyi Survey Telescope|Cerro Pachon|Pachon", (-30.244639, -70.749417, 2663)),  # Rubin LSE-180
     ("W84", "CTIO Blanco", "DECam|Blanco|CTIO 4m|Victor M. Blanco Telescope|CTIO 4.0-m telescope", None),
     ("807", "Cerro Tololo", "CTIO|Cerro Tololo Interamerican Observatory|Cerro Tololo Inter-American Observatory", (-30.169, -70.8063, 2215)),  # NOIRLab; MPC constants have 5 digits
     ("W85", "LCO Cerro Tololo", "LCOGT LSC|LSC|LCOGT node at Cerro Tololo Inter-American Observatory", None),
-    ("I11", "Gemini South", "gems|gemini_south", None),
-    ("I33", "SOAR", "Southern Astrophysical Research Telescope|SOAR telescope|SOAR 4.1m", None),
+    ("I11", "Gemini South", "gems|gemini_south|Cerro Pachon|Pachon", None),
+    ("I33", "SOAR", "Southern Astrophysical Research Telescope|SOAR telescope|SOAR 4.1m|Cerro Pachon|Pachon", None),
     ("309", "Paranal", "Cerro Paranal|Paranal Observatory|VLT|Very Large Telescope|Paranal Observatory (ESO)|ESO-VLT-U1|ESO-VLT-U2|ESO-VLT-U3|ESO-VLT-U4", None),
     ("W91", "VISTA", "VHS VISTA", None),
     ("X11", "VST", "VLT Survey Telescope|ESO-VST", None),
@@ -60,7 +60,7 @@ SITES = [
     ("608", "AMOS", "Haleakala AMOS", None),
     ("F65", "Faulkes Telescope North", "FTN|LCO Haleakala|OGG|LCOGT node at Haleakala Observatory", None),
     ("T05", "ATLAS Haleakala", "ATLAS|ATLAS-HKO|HKO", None),
-    ("T08", "ATLAS Mauna Loa", "ATLAS-MLO|MLO", None),
+    ("T08", "ATLAS Mauna Loa", "ATLAS-MLO|MLO|Mauna Loa", None),
     ("", "DKIST", "Daniel K. Inouye Solar Telescope|ATST", (20.7067, -156.2564, 3067)),  # NSO
     # North America
     ("I41", "Palomar ZTF", "ZTF|ZTF Palomar|Zwicky Transient Facility|Samuel Oschin Telescope|Palomar Schmidt|P48|Palomar 48-inch", None),
@@ -78,8 +78,8 @@ SITES = [
     ("696", "MMT", "Whipple Observatory|Mount Hopkins|flwo|Multiple Mirror Telescope|Fred Lawrence Whipple Observatory|Whipple|MMTO|MMT Observatory", None),
     ("G83", "LBT", "Large Binocular Telescope|Mount Graham International Observatory|Mt Graham|Mount Graham|LBT-SX|LBT-DX", None),
     ("290", "VATT", "Vatican Advanced Technology Telescope", None),
-    ("703", "Catalina Sky Survey", "CSS|Mount Bigelow|Catalina Schmidt", None),
-    ("G96", "Mount Lemmon Survey", "Mount Lemmon|Mt. Lemmon", None),
+    ("703", "Catalina Schmidt", "Catalina Sky Survey|CSS|Mount Bigelow", None),
+    ("G96", "Mount Lemmon Survey", "Mount Lemmon|Mt. Lemmon|Catalina Sky Survey|CSS", None),
     ("V06", "Catalina Kuiper", "Kuiper 61-inch|Catalina Observatory|mtbigelow", None),
     ("688", "Lowell Observatory - Anderson Mesa", "Anderson Mesa|Perkins|NPOI|lo-am", None),
     ("690", "Lowell Observatory - Mars Hill", "Flagstaff|Mars Hill", (35.202875, -111.664781, 2195)),  # Lowell staff, by astropy

@@ -40,6 +40,7 @@ const SNAPS: &[&str] = &["numExposures", "nexp"];
 const VISIT: &[&str] = &["visitTime"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA", "s_ra"];
 const DECLINATION: &[&str] = &["dec_deg", "fieldDec", "s_dec"];
+const ALTITUDE: &[&str] = &["altitude", "altitude_deg"];
 const BAND: &[&str] = &["band", "filter"];
 
 /// Form of the start times.
@@ -127,6 +128,8 @@ pub(in crate::schedule) struct ColumnMap {
     pub snaps: Option<usize>,
     /// Time of the whole visit.
     pub visit: Option<usize>,
+    /// Altitude of the pointing.
+    pub altitude: Option<usize>,
     /// True if the duration is the sum over the snaps.
     pub is_sum: bool,
 }
@@ -163,6 +166,8 @@ impl ColumnMap {
             && (id.is_some() || !needs_id)
         {
             let (rotation, band) = (with_unit(ROTATIONS.unit, ROTATIONS.names)?, find(BAND));
+            // An altitude with another unit is not that of a pointing.
+            let altitude = DEGREES.find(ALTITUDE, names).ok().flatten();
             let (snaps, visit, is_sum) = (find(SNAPS), find(VISIT), names[duration] == VISIT_EXPOSURE);
             return Ok(Self {
                 id,
@@ -174,6 +179,7 @@ impl ColumnMap {
                 band,
                 snaps,
                 visit,
+                altitude,
                 is_sum,
             });
         }

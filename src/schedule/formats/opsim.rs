@@ -54,6 +54,7 @@ fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result
         .chain(map.band)
         .chain(map.snaps)
         .chain(map.visit)
+        .chain(map.altitude)
         .collect();
     let mut table = RawTable::new(ScheduleFormat::Opsim, needed.iter().map(|&index| names[index].clone()).collect());
     let quoted: Vec<String> = table.names.iter().map(|name| format!("\"{}\"", name.replace('"', "\"\""))).collect();

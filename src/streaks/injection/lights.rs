@@ -127,8 +127,8 @@ fn chosen_source(
     frame: &TargetFrame,
     (shot, watch): (&Shot<'_>, &Watch),
 ) -> Result<Source, Error> {
-    let given = &streak.given;
-    let chip = chip_of(given, frame)?;
+    let chip = chip_of(&streak.given, frame)?;
+    let given = &streak.given.in_frame(frame.file.header(chip.hdu)?);
     if !chip.is_on_sky && matches!(given.ends, StreakEnds::Sky(_)) {
         return Err(given.invalid("ends", "directions on the sky", "pixels in a frame without world coordinates"));
     }

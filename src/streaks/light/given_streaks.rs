@@ -11,7 +11,7 @@ use super::super::tracking::Tracking;
 use super::sky_track::{SkyPoint, SkyTrack};
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_moment, seconds_between};
-use crate::images::{Bounded, PixelPosition, RowOrigin, StreakEnds, StreakRow};
+use crate::images::{Bounded, Header, PixelPosition, RowOrigin, StreakEnds, StreakRow};
 use crate::input::{Column, TableRows};
 use crate::output::format_utc;
 use crate::units::{ARCSECONDS, KILOMETRES, METRES, PIXELS, SECONDS};
@@ -63,6 +63,8 @@ pub struct GivenStreak {
     pub ends: StreakEnds,
     /// Width of the image.
     pub width: GivenWidth,
+    /// True if ends in pixels are those of the frame before it was cut or binned.
+    is_physical: bool,
     times: [EndTime; 2],
     origin: RowOrigin,
 }
@@ -116,9 +118,6 @@ impl GivenColumns {
 }
 
 impl GivenStreak {
-    /// Distance of lights whose distance is unknown, km. Their image has a given width, so it has no effect.
-    pub(crate) const FAR_KM: f64 = 1e9;
-
     /// Reads a row of a table.
     ///
     /// # Errors
@@ -155,6 +154,7 @@ impl GivenStreak {
             image: row.image().map(str::to_owned),
             hdu: row.hdu()?,
             ends: row.ends()?,
+            is_physical: row.is_physical(),
             width,
             times: [
                 time("enter_utc", columns.enter_utc, columns.enter_s)?,
@@ -162,6 +162,15 @@ impl GivenStreak {
             ],
             origin: row.origin(),
         })
+    }
+
+    /// Returns the streak with its ends in the pixels of the frame with this header, if they are in physical pixels.
+    pub(crate) fn in_frame(&self, header: &Header) -> Self {
+        let ends = match self.ends {
+            StreakEnds::Pixels(ends) if self.is_physical => StreakEnds::Pixels(ends.map(|end| end.of_physical(header))),
+            ends => ends,
+        };
+        Self { ends, is_physical: false, ..self.clone() }
     }
 
     /// Returns true if the time at an end is given.
@@ -242,7 +251,7 @@ impl GivenStreak {
         magnitude: f64,
     ) -> Result<SkyTrack, Error> {
         let [from_s, to_s] = self.seconds(opened, exposure_s)?;
-        let range_km = if let GivenWidth::Distance { range_km, .. } = self.width { range_km } else { Self::FAR_KM };
+        let range_km = if let GivenWidth::Distance { range_km, .. } = self.width { range_km } else { SkyPoint::FAR_KM };
         let point = |index: usize| -> Result<SkyPoint, Error> {
             let share = index as f64 / (POINTS - 1) as f64;
             let time_s = from_s + share * (to_s - from_s);

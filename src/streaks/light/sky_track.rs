@@ -18,6 +18,11 @@ pub struct SkyPoint {
     pub magnitude: Option<f64>,
 }
 
+impl SkyPoint {
+    /// Distance of a light whose distance is unknown, km: it is a point in focus.
+    pub(crate) const FAR_KM: f64 = 1e9;
+}
+
 /// Track of a moving light. Between its points, directions are interpolated smoothly and magnitudes linearly.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkyTrack {

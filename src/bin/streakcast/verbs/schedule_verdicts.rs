@@ -197,6 +197,8 @@ impl PreparedSchedule {
         let Self { schedule, plan, notices, parts, .. } = self;
         let totals = if parts.is_empty() { invalid_rows(schedule, take)? } else { self.judge_parts(see, take)? };
         notices.warn(&schedule.warnings(&plan.policy));
+        let sky = self.first_sky.as_ref();
+        notices.warn(&sky.and_then(|sky| schedule.altitude_warning(sky.sky.viewpoint(), &sky.eop)));
         summary(notices, &totals, schedule, &self.path);
         Ok(totals)
     }
