@@ -494,6 +494,28 @@ fn verif_errors_of_old_elements_are_stated() {
     );
 }
 
+/// The error of the prediction along the track contains that of the start in the header: 0.29 s for whole seconds.
+#[test]
+fn verif_the_error_of_the_start_is_that_of_the_prediction() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let bytes = fs::read(&frame).unwrap();
+    let expected_s = |name: &str, date: &str| {
+        let file = path(&folder, name);
+        fs::write(&file, with_card(&bytes, "DATE-OBS", date)).unwrap();
+        let document = json(&[&["measure", &file, "--seeing", "90arcsec"], SATELLITES]);
+        document["measurements"].as_array().unwrap()[0]["late_expected_sigma_s"].as_f64().unwrap()
+    };
+    let own_s = expected_s("exact.fits", "'2026-08-14T23:29:05.000'");
+    for (name, date, sigma_s) in [
+        ("whole.fits", "'2026-08-14T23:29:05'", 12f64.sqrt().recip()),
+        ("stated.fits", "'2026-08-14T23:29:05.000' / +/- 2 s", 2.0),
+    ] {
+        let sigma = expected_s(name, date);
+        assert!((sigma - own_s.hypot(sigma_s)).abs() < 1e-3 * sigma, "{date}: {sigma}, without it {own_s}");
+    }
+}
+
 #[test]
 fn verif_saturated_streaks_are_lower_limits_and_magnitudes_without_zero_point_are_instrumental() {
     let folder = TempDir::new().unwrap();
