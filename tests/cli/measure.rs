@@ -281,9 +281,12 @@ fn invalid_input_is_named() {
     };
     fs::write(&no_wcs, renamed("CTYPE1  ", "XTYPE1  ")).unwrap();
     let no_time = path(&folder, "no_time.fits");
-    let mut timeless = renamed("DATE-OBS", "XATE-OBS");
-    let card = timeless.chunks_exact_mut(80).find(|card| card.starts_with(b"MJD-OBS ")).unwrap();
-    card[0] = b'X';
+    let mut timeless = bytes.clone();
+    for card in timeless.chunks_exact_mut(80) {
+        if card.starts_with(b"DATE-OBS") || card.starts_with(b"MJD-OBS ") {
+            card.fill(b' ');
+        }
+    }
     fs::write(&no_time, timeless).unwrap();
     for (arguments, parts) in [
         (vec![missing.as_str()], vec!["missing.fits"]),
@@ -502,7 +505,7 @@ fn verif_the_error_of_the_start_is_that_of_the_prediction() {
     let bytes = fs::read(&frame).unwrap();
     let expected_s = |name: &str, date: &str| {
         let file = path(&folder, name);
-        fs::write(&file, with_card(&bytes, "DATE-OBS", date)).unwrap();
+        fs::write(&file, with_new_cards(&bytes, &[("DATE-BEG", date)])).unwrap();
         let document = json(&[&["measure", &file, "--seeing", "90arcsec"], SATELLITES]);
         document["measurements"].as_array().unwrap()[0]["late_expected_sigma_s"].as_f64().unwrap()
     };

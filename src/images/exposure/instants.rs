@@ -236,7 +236,12 @@ impl Reader<'_> {
             let is_last = LAST_TIMES.contains(keyword);
             // These keywords may also have a date or a number of days.
             let is_other = is_middle || is_last || OTHER_STARTS.contains(keyword);
-            if is_other && (self.keywords.number(&[keyword], |_| true).is_some() || parse_time(&value).is_none()) {
+            // "TIME = '00:01:00' / exposure time"
+            let is_length =
+                is_last && comment.has("exposure exp integration length duration") && !states_start(&comment);
+            if is_length
+                || is_other && (self.keywords.number(&[keyword], |_| true).is_some() || parse_time(&value).is_none())
+            {
                 continue;
             }
             let usual = if is_middle { Role::Middle } else { Role::Start };

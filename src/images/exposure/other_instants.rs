@@ -16,7 +16,12 @@ use super::moment::{DateText, Keywords, bare, is_spelling, late_day, near, parse
 use super::scale::DateScale;
 
 /// Parts of names of times that are not those of this exposure, or that are local.
-const OF_OTHERS: &[&str] = &["GUID", "PREV", "CAL", "SEQ", "NIGHT", "PROG", "LOC", "LST", "SID", "TREND"];
+const OF_OTHERS: &[&str] = &["GUID", "PREV", "CAL", "SEQ", "NIGHT", "PROG", "LOC", "SID", "TREND"];
+
+/// Words of the start before or after those of [`CLOCKS`] or the following ones in names of keywords, as in OBSSTART.
+const STARTS: &[&str] = &["START", "STRT", "STR", "BEGIN", "BEG", "OPEN"];
+const STARTED: &[&str] =
+    &["T", "TU", "SHUT", "SHUTTER", "FRAME", "IMAGE", "IMG", "INT", "CAM", "CCD", "EXPOSURE", "GPS"];
 
 /// Reads dates, times and day numbers in other keywords whose name or comment states the start, the middle, the end, or
 /// the first or last of several exposures. `start` is that of the known keywords, to which a time of day without a date
@@ -57,7 +62,13 @@ fn part_in_name(name: &str) -> Option<Role> {
     } else if has(&["END", "STOP", "CLOS", "FIN"]) {
         Some(Role::End)
     } else {
-        (has(&["START", "BEG", "OPEN"]) || name.ends_with("STR") || name.ends_with("STRT")).then_some(Role::Start)
+        let bare = bare(name);
+        let of_start = |word: &str| {
+            let rest = bare.strip_prefix(word).or_else(|| bare.strip_suffix(word));
+            rest.is_some_and(|rest| CLOCKS.contains(&rest) || STARTED.contains(&rest))
+        };
+        // Not ESO OBS START, that of the observation block.
+        (!name.contains(' ') && STARTS.iter().any(|word| of_start(word))).then_some(Role::Start)
     }
 }
 

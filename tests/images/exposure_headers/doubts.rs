@@ -168,6 +168,7 @@ fn verif_other_readings_of_a_header_are_stated() {
     // A local time in TIME is not compared with a full date, and 30 s are no time of day.
     let found = time("DATE-OBS= '2026-08-22T03:15:00'\nTIME    = '20:15:00'\nEXPTIME = 60.0").unwrap();
     assert_eq!(found.remarks, [""; 0]);
+    assert!(time("DATE-OBS= '2026-08-22'\nTIME    = '00:01:00' / exposure time\nEXPTIME = 60.0").is_err());
     assert!(time("DATE-OBS= '2026-08-22'\nTIME    = 30.0\nEXPTIME = 60.0").is_err());
     for card in ["DATETIME= '2026:08:21 20:15:00'", "DATE-TIM= '2026-08-21 20:15:00'"] {
         assert!(time(&format!("{card}\nEXPTIME = 60.0")).is_err(), "{card}");

@@ -623,7 +623,10 @@ fn verif_starts_in_keywords_of_other_names() {
         ("STARTMJD=    61274.13548611111", "STARTMJD is 6.0 s later"),
         ("TOPEN   = '2026-08-22T03:14:58.5'", "TOPEN is 1.5 s earlier"),
         ("GPS_SUTC= '2026-08-22T03:15:00.050'", ""),
+        ("FRAME_BE= '2026-08-22T03:15:02' / start of exposure", "FRAME_BE is 2.0 s later"),
         ("SEQSTART= '2026-08-22T03:05:00'", ""),
+        ("ACQSTART= '2026-08-22T03:05:00' / acquisition start", ""),
+        ("HIERARCH ESO OBS START = '2026-08-22T02:55:00' / OB start time", ""),
         ("STARTLOC= '2026-08-21T20:15:00'", ""),
         ("ST      = '00:53:23' / start", ""),
     ] {
@@ -642,7 +645,7 @@ fn verif_starts_in_keywords_of_other_names() {
         let remarks = time(&text).expect("a start").remarks;
         assert!(remarks.len() == 1 && remarks[0].contains("by its name or comment"), "{remarks:?}");
     }
-    for cards in ["SEQSTART= '2026-08-22T03:05:00'", "OBSSTART= '2026-08-21T20:15:00' / local time"] {
+    for cards in ["SUNSTART= '2026-08-22T03:05:00'", "OBSSTART= '2026-08-21T20:15:00' / local time"] {
         assert!(time(&format!("{cards}\n{LENGTH}")).is_err(), "{cards}");
     }
 }
