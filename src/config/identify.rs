@@ -13,7 +13,7 @@ use super::values::{Quantity, in_range, parse_angle_deg, parse_duration_s, parse
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, parse_start, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line};
-use crate::images::{OUTLINES, Outline, parse_regions};
+use crate::images::{ExposureTime, OUTLINES, Outline, parse_regions};
 use crate::input;
 
 /// Default clock error (one sigma), seconds.
@@ -158,10 +158,10 @@ impl IdentifyConfig {
                 return Err(request(format!("{several} exclude each other; specify {}", STREAK.words)));
             }
         };
-        let (start, duration_s, timing, remarks) = self.timing(config)?;
+        let (exposure, timing) = self.timing(config)?;
         let Sigmas { place_rad: place_sigma_rad, angle_rad: angle_sigma_rad, time_s: time_sigma_s } =
-            self.sigmas(sigma_arcsec)?;
-        let time = (start, duration_s);
+            self.sigmas(sigma_arcsec, exposure.start_sigma_s)?;
+        let time = (exposure.start, exposure.duration_s);
         let streak = match line {
             Line::Ends(ends) => MeasuredStreak::from_ends(ends, time, timing, place_sigma_rad, time_sigma_s)?,
             Line::Middle { length_deg: None, .. } if timing == Timing::Whole => {
@@ -181,7 +181,7 @@ impl IdentifyConfig {
                 time_sigma_s,
             )?,
         };
-        Ok(IdentifyPlan { streak, source, remarks })
+        Ok(IdentifyPlan { streak, source, remarks: exposure.remarks })
     }
 
     /// Checks the times and errors that are the same for all streaks of a table.
@@ -191,12 +191,13 @@ impl IdentifyConfig {
     #[cfg(all(feature = "fits", unix))]
     pub(super) fn check_common(&self, config: &Config) -> Result<(), Error> {
         self.given_exposure(config)?;
-        self.sigmas(POSITION_SIGMA_ARCSEC)?;
+        self.sigmas(POSITION_SIGMA_ARCSEC, 0.0)?;
         config.photometry().map(drop)
     }
 
-    /// Returns the errors of the streak; `place_arcsec` is that of the position if none is given.
-    fn sigmas(&self, place_arcsec: f64) -> Result<Sigmas, Error> {
+    /// Returns the errors of the streak. If none are given, `place_arcsec` is that of the position, and that of the time is
+    /// at least `start_s`.
+    fn sigmas(&self, place_arcsec: f64, start_s: f64) -> Result<Sigmas, Error> {
         let angle_deg = |what, given: &Option<String>, default_deg| {
             given.as_deref().map_or(Ok(default_deg), |given| parse_angle_deg(what, given))
         };
@@ -206,7 +207,7 @@ impl IdentifyConfig {
             angle_rad: angle_deg("angle-sigma", &self.angle_sigma, ANGLE_SIGMA_DEG)?.to_radians(),
             time_s: in_range(
                 "time-sigma",
-                time_s.unwrap_or(TIME_SIGMA_S),
+                time_s.unwrap_or(TIME_SIGMA_S.max(start_s)),
                 "s",
                 "above 0 s, at most 86400 s",
                 |seconds| seconds > 0.0,
@@ -268,15 +269,13 @@ impl IdentifyConfig {
         Ok((Line::Ends(ends), POSITION_SIGMA_PIX * pixel_arcsec))
     }
 
-    /// Returns start and duration (seconds) of the interval, the relation between times and ends, and remarks about the
-    /// header of the frame.
-    fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing, Vec<String>), Error> {
+    /// Returns the interval, and the relation between times and ends.
+    fn timing(&self, config: &Config) -> Result<(ExposureTime, Timing), Error> {
         let scale = config.time_scale()?;
         match self.times.as_slice() {
             [] => {
                 let timing = if self.whole_streak { Timing::Whole } else { Timing::Within };
-                let (start, duration_s, remarks) = self.exposed(config)?;
-                Ok((start, duration_s, timing, remarks))
+                Ok((self.exposed(config)?, timing))
             }
             [first, second] => {
                 let (first, second) = (parse_moment(first, scale)?, parse_moment(second, scale)?);
@@ -288,7 +287,7 @@ impl IdentifyConfig {
                         "the time at the first --end, then a later one at the second",
                     ));
                 }
-                Ok((first, duration_s, Timing::FirstToSecond, Vec::new()))
+                Ok((ExposureTime::given(first, duration_s), Timing::FirstToSecond))
             }
             other => Err(request(format!("--times has {} values", other.len())).allowing("2, one for each --end")),
         }
@@ -306,16 +305,16 @@ impl IdentifyConfig {
         Ok((start, duration_s))
     }
 
-    /// Returns shutter opening and exposure time (seconds): from `self`, or else from the configuration, or else from
-    /// the frame's header, with remarks about it.
-    fn exposed(&self, config: &Config) -> Result<(Epoch, f64, Vec<String>), Error> {
+    /// Returns the exposure: from `self`, or else from the configuration, or else from the frame's header, with remarks
+    /// about it.
+    fn exposed(&self, config: &Config) -> Result<ExposureTime, Error> {
         let (start, duration_s) = self.given_exposure(config)?;
         #[cfg(all(feature = "fits", unix))]
         if let Some(path) = &self.image {
             return super::identify_frame::exposure(path, self.hdu, start, duration_s);
         }
         match (start, duration_s) {
-            (Some(start), Some(duration_s)) => Ok((start, duration_s, Vec::new())),
+            (Some(start), Some(duration_s)) => Ok(ExposureTime::given(start, duration_s)),
             (None, _) => Err(Error::missing(
                 "start of the exposure",
                 "--start 2024-08-14T00:30:00.000Z, or --times with both --end",

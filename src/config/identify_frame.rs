@@ -170,23 +170,22 @@ fn sky_positions(
     pixels.iter().map(sky_position).collect()
 }
 
-/// Returns shutter opening and exposure time (seconds): the given values, or else those of the header, with remarks
-/// about it.
+/// Returns the exposure: the given start and duration (seconds), or else those of the header, with remarks about it.
 pub(super) fn exposure(
     path: &Path,
     hdu: Option<usize>,
     start: Option<Epoch>,
     duration_s: Option<f64>,
-) -> Result<(Epoch, f64, Vec<String>), Error> {
+) -> Result<ExposureTime, Error> {
     if let (Some(start), Some(duration_s)) = (start, duration_s) {
-        return Ok((start, duration_s, Vec::new()));
+        return Ok(ExposureTime::given(start, duration_s));
     }
     let (file, hdu) = image(path, hdu)?;
     let found = ExposureTime::with_given(&[file.header(hdu)?, file.header(0)?], start, duration_s)
         .map_err(|error| error.in_file("", path))?;
     let shown = path.display();
     let remarks = found.remarks.iter().map(|remark| format!("{shown}: {remark}")).collect();
-    Ok((found.start, found.duration_s, remarks))
+    Ok(ExposureTime { remarks, ..found })
 }
 
 /// Returns the site in the header of a frame, `None` if it has none, and a sentence about coordinates that do not give

@@ -144,7 +144,8 @@ pub(super) fn identify_listed(
         let sigma_rad = place_sigma_deg.unwrap_or(POSITION_SIGMA_PIX * pixel_arcsec / 3600.0).to_radians();
         let time = (frame.opened, frame.exposure_s);
         // A streak that is too short or too long to be of a satellite keeps its row.
-        let Ok(measured) = MeasuredStreak::from_ends(ends, time, Timing::Within, sigma_rad, TIME_SIGMA_S) else {
+        let time_sigma_s = TIME_SIGMA_S.max(frame.start_sigma_s);
+        let Ok(measured) = MeasuredStreak::from_ends(ends, time, Timing::Within, sigma_rad, time_sigma_s) else {
             continue;
         };
         let found = identify_streak(sky, &measured, &options)?;

@@ -257,7 +257,7 @@ mod tests {
     use super::*;
 
     fn rule(name: &str, kind: PlaneKind, cards: &str) -> Rule {
-        let plane = CompanionPlane { hdu: 1, name: name.to_owned(), of: Some(0), kind };
+        let plane = CompanionPlane { hdu: 1, name: name.to_owned(), of: Some(0), kind, card: None };
         Rule::from_headers(&plane, &[&Header::default(), &Header::from_text(cards)]).unwrap()
     }
 

@@ -120,7 +120,7 @@ pub fn predictions(
                         geometry: Some(pass.mid.geometry),
                         range_km: Some(pass.mid.range_km),
                         model_size_m: Some(interval.sky().model(pass.element_index).size_m()),
-                        time_sigma_s: Some(pass.along_track_sigma_s),
+                        time_sigma_s: Some(pass.along_track_sigma_s.hypot(frame.start_sigma_s)),
                     },
                     image_fwhm_arcsec: None,
                     size_m: Some(2.0 * streak.radius_m),
@@ -162,7 +162,9 @@ fn predicted_streak(
     let Some(longest) = paths.into_iter().max_by(|a, b| a.path.length_pix().total_cmp(&b.path.length_pix())) else {
         return Ok(None);
     };
-    let late_s = (options.sigmas * pass.along_track_sigma_s).min(options.most_late_s);
+    // An error of the clock has the same effect as a delay of the satellite.
+    let lateness_sigma_s = pass.along_track_sigma_s.hypot(frame.start_sigma_s);
+    let late_s = (options.sigmas * lateness_sigma_s).min(options.most_late_s);
     let Some(path) = cut(&longest.path, [-late_s, frame.exposure_s + late_s])? else { return Ok(None) };
     if path.total() <= 0.0 {
         return Ok(None);
@@ -173,7 +175,7 @@ fn predicted_streak(
     Ok(Some(PredictedStreak {
         drift_pix_s: drift(pass, target, interval, middle_s + options.most_late_s).unwrap_or_default(),
         path,
-        lateness_sigma_s: pass.along_track_sigma_s,
+        lateness_sigma_s,
         largest_delay_s: options.most_late_s,
         ends_s: None,
         cross_sigma_pix,

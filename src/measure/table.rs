@@ -138,7 +138,12 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         pass.measured.late_s.map(|late| late.sigma).into()
     }),
     TableField::new(
-        Column::small("late_expected_sigma_s", "s", 4, "Error (one sigma) of the prediction along the track."),
+        Column::small(
+            "late_expected_sigma_s",
+            "s",
+            4,
+            "Error (one sigma) of the prediction along the track, with that of the start of the exposure.",
+        ),
         |pass| Some(pass.prediction.streak.lateness_sigma_s).filter(|_| pass.prediction.id.is_empty()).into(),
     ),
     TableField::new(Column::new("ends", Kind::Integer, "Number of ends of the streak in the frame."), |pass| {

@@ -281,9 +281,12 @@ fn invalid_input_is_named() {
     };
     fs::write(&no_wcs, renamed("CTYPE1  ", "XTYPE1  ")).unwrap();
     let no_time = path(&folder, "no_time.fits");
-    let mut timeless = renamed("DATE-OBS", "XATE-OBS");
-    let card = timeless.chunks_exact_mut(80).find(|card| card.starts_with(b"MJD-OBS ")).unwrap();
-    card[0] = b'X';
+    let mut timeless = bytes.clone();
+    for card in timeless.chunks_exact_mut(80) {
+        if card.starts_with(b"DATE-OBS") || card.starts_with(b"MJD-OBS ") {
+            card.fill(b' ');
+        }
+    }
     fs::write(&no_time, timeless).unwrap();
     for (arguments, parts) in [
         (vec![missing.as_str()], vec!["missing.fits"]),
@@ -492,6 +495,28 @@ fn verif_errors_of_old_elements_are_stated() {
         !uploaded.is_empty() && uploaded.iter().all(|sigma_s| *sigma_s < 30.0 / 12f64.sqrt() + 1e-4),
         "{uploaded:?}"
     );
+}
+
+/// The error of the prediction along the track contains that of the start in the header: 0.29 s for whole seconds.
+#[test]
+fn verif_the_error_of_the_start_is_that_of_the_prediction() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let bytes = fs::read(&frame).unwrap();
+    let expected_s = |name: &str, date: &str| {
+        let file = path(&folder, name);
+        fs::write(&file, with_new_cards(&bytes, &[("DATE-BEG", date)])).unwrap();
+        let document = json(&[&["measure", &file, "--seeing", "90arcsec"], SATELLITES]);
+        document["measurements"].as_array().unwrap()[0]["late_expected_sigma_s"].as_f64().unwrap()
+    };
+    let own_s = expected_s("exact.fits", "'2026-08-14T23:29:05.000'");
+    for (name, date, sigma_s) in [
+        ("whole.fits", "'2026-08-14T23:29:05'", 12f64.sqrt().recip()),
+        ("stated.fits", "'2026-08-14T23:29:05.000' / +/- 2 s", 2.0),
+    ] {
+        let sigma = expected_s(name, date);
+        assert!((sigma - own_s.hypot(sigma_s)).abs() < 1e-3 * sigma, "{date}: {sigma}, without it {own_s}");
+    }
 }
 
 #[test]

@@ -490,6 +490,19 @@ fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
         let error = thick.read_plane(0).expect_err("a cube").to_string();
         assert!(error.contains(words), "{error}");
     }
+    // The header states what the planes are.
+    for (cards, words) in [
+        ("CTYPE3  = 'STOKES'", "HDU 0 is a cube of 3 planes (NAXIS3 = 3, CTYPE3 = 'STOKES'); allowed"),
+        ("CTYPE3  = 'TIME'", "HDU 0 is a cube of 3 planes (NAXIS3 = 3, CTYPE3 = 'TIME'); allowed"),
+        ("CTYPE3  = 'RGB'", "HDU 0 is a colour image of 3 planes (NAXIS3 = 3, CTYPE3 = 'RGB'); allowed"),
+        ("BAYERPAT= 'RGGB'", "HDU 0 is a colour image of 3 planes (NAXIS3 = 3); allowed"),
+    ] {
+        let header = axes(3).replacen(&card("END"), &(card(cards) + &card("END")), 1);
+        let header = header[..header.trim_end().len().next_multiple_of(2880)].to_owned();
+        let file = with("stated.fits", &header, &[&good[2880..], &[0; 2880]].concat());
+        let error = file.read_plane(0).expect_err("a cube").to_string();
+        assert!(error.contains(words), "{error}");
+    }
     // Axes of length 1 are not planes. A cube of four axes is no colour image.
     for (shape, words) in [
         (

@@ -191,13 +191,28 @@ fn frames_with_one_sky_are_stated() {
 /// Files whose header says that all their images are masks or weights have no frames.
 #[test]
 fn products_of_archives_that_are_no_frames() {
-    for cards in
-        ["PRODTYPE= 'dqmask'\n", "PRODTYPE= 'wtmap'\n", "PRODCATG= 'ANCILLARY.WEIGHTMAP'\n", "OBSTYPE = 'BPM'\n"]
-    {
+    for (cards, card) in [
+        ("PRODTYPE= 'dqmask'\n", "PRODTYPE = 'DQMASK'"),
+        ("PRODTYPE= 'wtmap'\n", "PRODTYPE = 'WTMAP'"),
+        ("PRODCATG= 'ANCILLARY.WEIGHTMAP'\n", "PRODCATG = 'ANCILLARY.WEIGHTMAP'"),
+        ("PRODCATG= 'ANCILLARY.MASK'\n", "PRODCATG = 'ANCILLARY.MASK'"),
+        ("PRODCATG= 'ANCILLARY.RMSMAP'\n", "PRODCATG = 'ANCILLARY.RMSMAP'"),
+        ("OBSTYPE = 'BPM'\n", "OBSTYPE = 'BPM'"),
+    ] {
         let found = roles(&[("", sky(10.0) + cards), ("S29", sky(10.1))]).expect("roles");
         assert!(found.frames.is_empty() && found.companions.len() == 2, "{cards}");
+        let (given, allowed) = found.no_frame();
+        assert!(given.contains(card) && allowed.contains("--hdu 0"), "{given}; {allowed}");
     }
-    for cards in ["PRODTYPE= 'image'\n", "PRODCATG= 'SCIENCE.IMAGE'\n", "OBSTYPE = 'EXPOSE'\n"] {
+    let (given, _) = roles(&[("APERTURE", sky(10.0))]).expect("roles").no_frame();
+    assert!(given.contains("HDU 0 (APERTURE) is no frame by its name"), "{given}");
+    for cards in [
+        "PRODTYPE= 'image'\n",
+        "PRODCATG= 'SCIENCE.IMAGE'\n",
+        "PRODCATG= 'ANCILLARY.IMAGE'\n",
+        "PRODCATG= 'ANCILLARY.PREVIEW'\n",
+        "OBSTYPE = 'EXPOSE'\n",
+    ] {
         assert_eq!(roles(&[("", sky(10.0) + cards), ("S29", sky(10.1))]).expect("roles").frames, [0, 1], "{cards}");
     }
     assert!(roles(&[("APERTURE", sky(10.0))]).expect("roles").frames.is_empty());

@@ -367,6 +367,10 @@ fn doubt(keyword: &str, value: f64, comment: &str) -> String {
     format!("{keyword} is {value}{stated}: a setting of the camera or electrons per count")
 }
 
+/// Names of the exposure time in formulas, and beginnings of them in logarithms, in lower case.
+const TIMES: &[&str] = &["exptime", "texp", "t_exp", "xposure"];
+const TIMES_IN_LOGARITHMS: &[&str] = &["exp", "texp", "t_exp", "xpos", "itime", "time"];
+
 fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
     let of_frame =
         |mag: f64, keyword: String| ZeroPoint { mag, basis: Some(CountBasis::Frame), keyword, is_basis_assumed: false };
@@ -390,18 +394,51 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         let is_per_second = ["/s", "per sec", "1 sec", "s-1", "s^-1"].iter().any(|words| comment.contains(words));
         // As in synthetic frames
         let is_of_frame = ["in the frame", "of the frame"].iter().any(|words| comment.contains(words));
-        // "MAG=-2.5*log(data)+PHOTZP" (ESO phase 3): the pixels, which may also be divided by the time.
-        let logarithm = ["log(", "log10("].iter().find_map(|log| Some(comment.split_once(log)?.1.split_once(')')?.0));
-        let pixels = logarithm.filter(|inside| !inside.contains("flux"));
-        let is_per_second =
-            is_per_second || pixels.is_some_and(|pixels| pixels.contains('/') || pixels.contains("rate"));
-        let is_of_frame = is_of_frame || pixels.is_some();
+        let of_formula = basis_of_formula(&comment);
         let of_frame = is_of_frame.then_some(CountBasis::Frame);
-        let stated = if is_per_second { Some(CountBasis::Second) } else { of_frame };
+        let of_words = if is_per_second { Some(CountBasis::Second) } else { of_frame };
+        let stated = of_words.or(of_formula.flatten());
+        // A formula that cannot be read leaves no usual meaning.
+        let usual = if of_words.is_none() && of_formula == Some(None) { &None } else { usual };
         // If the pixels are rates, their sum is already the count of one second and must not be divided by the exposure
         // time.
         let is_rate = parsed_unit(&unit).1;
         let basis = if is_rate { Some(CountBasis::Frame) } else { stated.or(*usual) };
         Some(ZeroPoint { mag, basis, keyword, is_basis_assumed: !is_rate && stated.is_none() && usual.is_some() })
     })
+}
+
+/// Returns the kind of counts of a formula in lower case, such as "mag=-2.5*log(data)+photzp" (ESO phase 3): those of
+/// the frame, or of one second if the pixels are rates or divided by the exposure time, in the logarithm or by another
+/// one with the opposite sign. `None` without a logarithm of pixels, and `Some(None)` if the exposure time has another
+/// effect.
+fn basis_of_formula(comment: &str) -> Option<Option<CountBasis>> {
+    let is_time = |text: &str| {
+        text.trim() == "t" || TIMES_IN_LOGARITHMS.iter().any(|beginning| text.trim().starts_with(beginning))
+    };
+    // The signs and the arguments of all logarithms.
+    let logarithms: Vec<(bool, &str)> = ["log(", "log10("]
+        .iter()
+        .flat_map(|log| comment.match_indices(log).map(move |(at, log)| (at, at + log.len())))
+        .filter_map(|(at, from)| {
+            let is_negative = comment[..at].trim_end_matches(|c: char| "0123456789.* ".contains(c)).ends_with('-');
+            Some((is_negative, comment[from..].split_once(')')?.0))
+        })
+        .collect();
+    let (is_negative, pixels) = logarithms.iter().find(|(_, inside)| !is_time(inside) && !inside.contains("flux"))?;
+    let is_rate = pixels.contains('/') || pixels.contains("rate");
+    let times: Vec<&(bool, &str)> = logarithms.iter().filter(|(_, inside)| is_time(inside)).collect();
+    Some(match times[..] {
+        [] if is_rate => Some(CountBasis::Second),
+        [] => (!is_beside_time(comment, pixels)).then_some(CountBasis::Frame),
+        [(of_time, _)] if !is_rate && of_time != is_negative => Some(CountBasis::Second),
+        _ => None,
+    })
+}
+
+/// Returns true if a formula contains the exposure time outside of its logarithm.
+fn is_beside_time(comment: &str, pixels: &str) -> bool {
+    comment
+        .split(pixels)
+        .any(|part| part.split(|c: char| !(c.is_ascii_alphabetic() || c == '_')).any(|word| TIMES.contains(&word)))
 }

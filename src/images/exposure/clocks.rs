@@ -4,8 +4,9 @@ use crate::constants::DAY_S;
 use crate::frames::seconds_between;
 
 use super::comment::{AGREED_S, Comment, Role};
+use super::instant::Instant;
 use super::instant_keywords::{LOOSE_TIMES, names_start};
-use super::instants::{Instant, Instants};
+use super::instants::Instants;
 use super::moment::{Keywords, is_spelling};
 use super::start_doubts::{START_SLACK_S, Start, comments_of, start_of, states_start};
 
@@ -53,24 +54,53 @@ pub fn use_stated(keywords: Keywords<'_>, instants: &Instants, start: &mut Start
     }
 }
 
+/// Makes a date the middle of the exposure if the comment of days with the same value states it, unless an end agrees
+/// with the date as the start.
+pub fn use_stated_middles(instants: &mut Instants, duration_s: f64) {
+    for (date, days) in std::mem::take(&mut instants.middles) {
+        let Some(at) = instants.found.iter().position(|known| known.from == date) else { continue };
+        let known = &instants.found[at];
+        let confirms = |end: &Instant| {
+            let late_s = seconds_between(known.epoch, end.epoch) - duration_s;
+            let slack_s = START_SLACK_S + known.slack_s + end.slack_s;
+            end.role == Role::End && late_s.abs() <= slack_s.min(duration_s / 4.0)
+        };
+        if !instants.found.iter().any(confirms) {
+            let sentence = format!("{date} is read as the middle, by the comment of {days}");
+            instants.found[at].role = Role::Middle;
+            instants.readings.push((date, sentence));
+        }
+    }
+}
+
+/// Returns true if a second clock, which is no number of days, agrees with the start: an end that is later than the
+/// exposure time is that of the readout, not that of several exposures (48 s after 300 s at MegaCam of the CFHT).
+pub fn has_second_clock(instants: &Instants, start: &Start) -> bool {
+    instants.found.iter().any(|other| {
+        let late_s = seconds_between(start.epoch, other.epoch);
+        let is_clock = other.role == Role::Start && !other.is_days() && other.from != start.from;
+        is_clock && late_s.abs() <= START_SLACK_S + start.slack_s + other.slack_s
+    })
+}
+
 /// Replaces a start in whole seconds by one of the same second in another keyword with more digits.
-pub fn use_finer(instants: &Instants, start: &mut Start, duration_s: f64) {
+pub fn use_finer(instants: &Instants, start: &mut Start) {
     if start.step_s != 1.0 || start.slack_s > AGREED_S || start.from.contains(" - ") {
         return;
     }
     let is_finer = |other: &&Instant| {
-        let late_s = seconds_between(start.epoch, start_of(other, duration_s).epoch);
+        let late_s = seconds_between(start.epoch, other.epoch);
         // Seconds are cut off or rounded.
         let is_same_second = (AGREED_S..1.0).contains(&late_s) || (-0.5..-AGREED_S).contains(&late_s);
         // UT may be that of another instant, and JD in the same second is not.
-        let is_exact = !other.is_loose || is_days(other);
-        let is_of_start = other.role != Role::End && !other.is_loose_clock && is_exact;
+        let is_exact = !other.is_loose || other.is_days();
+        let is_of_start = other.role == Role::Start && !other.is_loose_clock && is_exact;
         let is_digital = other.step_s() < 1.0 && other.slack_s <= AGREED_S;
         is_of_start && is_digital && is_same_second
     };
     let finer = || instants.found.iter().filter(is_finer);
     if let Some(finer) = finer().find(|other| !other.is_loose).or_else(|| finer().next()) {
-        *start = start_of(finer, duration_s);
+        *start = start_of(finer, 0.0);
     }
 }
 
@@ -86,7 +116,7 @@ pub fn is_outvoted(
 ) -> bool {
     let late_s = |instant: &Instant| seconds_between(start.epoch, start_of(instant, duration_s).epoch);
     let apart_s = late_s(other).abs();
-    if start.step_s == 0.0 || start.from.contains(" - ") || !(is_days(other) || is_of_telescope(other)) {
+    if start.step_s == 0.0 || start.from.contains(" - ") || !(other.is_days() || is_of_telescope(other)) {
         return false;
     }
     let zones = (apart_s / ZONE_STEP_S).round();
@@ -96,7 +126,7 @@ pub fn is_outvoted(
     }
     let is_end = |instant: &&Instant, readout_s: f64| {
         let digits_s = START_SLACK_S + start.slack_s + instant.slack_s;
-        instant.role == Role::End && !is_days(instant) && (-digits_s..=readout_s + digits_s).contains(&late_s(instant))
+        instant.role == Role::End && !instant.is_days() && (-digits_s..=readout_s + digits_s).contains(&late_s(instant))
     };
     let is_confirmed = instants.found.iter().any(|instant| is_end(&instant, 0.0));
     let is_part =
@@ -109,14 +139,14 @@ pub fn is_outvoted(
         let slack_s = start.slack_s + instant.slack_s;
         is_end(instant, READOUT_S)
             || (instant.role == Role::Start
-                && !is_days(instant)
+                && !instant.is_days()
                 && instant.from != start.from
                 && (-early_s - slack_s..=START_SLACK_S + slack_s).contains(&late_s(instant)))
     };
     // One Julian date may be computed from the other.
     let agrees_with_other = |instant: &&Instant| {
         let difference_s = late_s(instant) - late_s(other);
-        let is_same_kind = is_days(instant) && is_days(other);
+        let is_same_kind = instant.is_days() && other.is_days();
         instant.from != other.from && !is_same_kind && difference_s.abs() <= START_SLACK_S + instant.slack_s
     };
     let clocks: Vec<&Instant> = instants.found.iter().filter(agrees).collect();
@@ -127,9 +157,9 @@ pub fn is_outvoted(
     let is_labelled = comments_of(keywords, start)
         .iter()
         .any(|comment| comment.is_universal() && comment.role(None) == Ok(Some(Role::Start)));
-    let is_labelled = is_labelled && apart_s <= LABELLED_S && is_days(other) && !other.is_role_stated;
+    let is_labelled = is_labelled && apart_s <= LABELLED_S && other.is_days() && !other.is_role_stated;
     let votes = clocks.len() + usize::from(is_labelled);
-    is_universal && votes > instants.found.iter().filter(agrees_with_other).count()
+    (is_universal || (is_part && is_confirmed)) && votes > instants.found.iter().filter(agrees_with_other).count()
 }
 
 /// Returns true if an end is before the start, and another end fits the start, or the end is a time of day and another
@@ -139,18 +169,13 @@ pub fn is_end_of_other(instants: &Instants, start: &Start, end: &Instant, durati
     let agrees = |other: &Instant| match other.role {
         Role::Start => {
             let is_near = (-UNSTATED_START_S..=START_SLACK_S).contains(&late_s(other));
-            end.is_loose && !is_days(other) && other.from != start.from && is_near
+            end.is_loose && !other.is_days() && other.from != start.from && is_near
         }
         Role::Middle => false,
         Role::End => late_s(other).abs() <= START_SLACK_S,
     };
     let is_before = seconds_between(start.epoch, end.epoch) < -START_SLACK_S;
     is_before && start.step_s > 0.0 && instants.found.iter().any(agrees)
-}
-
-/// Returns true for a number of days, such as a modified Julian date.
-fn is_days(instant: &Instant) -> bool {
-    instant.step_s() == 0.0
 }
 
 /// Returns true for a start in a time of day that is perhaps read before the exposure, such as UT.

@@ -8,13 +8,14 @@ use crate::frames::seconds_between;
 
 use super::super::header::Header;
 use super::clocks::{
-    LOOSE_START_S, READOUT_S, UNSTATED_START_S, is_end_of_other, is_named, is_of_telescope, is_outvoted, is_shutter,
-    use_finer, use_stated,
+    LOOSE_START_S, READOUT_S, UNSTATED_START_S, has_second_clock, is_end_of_other, is_named, is_of_telescope,
+    is_outvoted, is_shutter, use_finer, use_stated, use_stated_middles,
 };
 use super::comment::{AGREED_S, Comment, Role};
-use super::instants::{Instant, Instants, Readout, unreadable};
-use super::length::{Length, STATED_S, length, stated_s};
-use super::moment::Keywords;
+use super::instant::Instant;
+use super::instants::Instants;
+use super::length::{Length, length, stated_s};
+use super::moment::{Keywords, unreadable};
 use super::scale::{APPROXIMATE, scale, scale_name, timesys};
 use super::start_doubts::{
     SHIFT_SLACK, START_SLACK_S, Start, about_times, comments_of, of_day_number, of_other_date, other_parts,
@@ -24,8 +25,7 @@ use super::start_doubts::{
 /// Error of the difference of two times with the same digits, seconds. One by a whole last digit is no rounding.
 const EXACT_S: f64 = 0.01;
 
-/// Part of the exposure time up to which a readout may be included in the end (48 s after 300 s at MegaCam of the
-/// CFHT).
+/// Part of the exposure time up to which a readout may be included in the end, if only one clock gives the start.
 const READOUT_SHARE: f64 = 0.25;
 /// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
 /// 4.3 s, and times without seconds have 60 s.
@@ -42,6 +42,8 @@ const GIVEN: &str = "given";
 pub struct ExposureTime {
     /// Time at which the shutter opened.
     pub start: Epoch,
+    /// Error (one sigma) of the start by its digits or by its comment, seconds: 0.29 s for whole seconds.
+    pub start_sigma_s: f64,
     /// Time for which the shutter was open, seconds.
     pub duration_s: f64,
     /// Keywords that gave the start (`DATE-OBS`, `DATE-OBS + TIME-OBS`, ...).
@@ -74,6 +76,12 @@ impl ExposureTime {
         Self::with_given(headers, None, None)
     }
 
+    /// Returns an exposure of which the caller gives the start and the duration (seconds).
+    pub fn given(start: Epoch, duration_s: f64) -> Self {
+        let [start_from, duration_from] = [GIVEN, GIVEN].map(str::to_owned);
+        Self { start, start_sigma_s: 0.0, duration_s, start_from, duration_from, remarks: Vec::new() }
+    }
+
     /// Reads the exposure as [`from_headers`](Self::from_headers), but a start or a duration (seconds) that is given
     /// replaces that of the headers.
     ///
@@ -86,9 +94,12 @@ impl ExposureTime {
             Some(duration_s) => (duration_s, GIVEN.to_owned()),
             None => duration(keywords, &mut remarks)?,
         };
-        let (start, start_from) = match start {
-            Some(start) => (start, GIVEN.to_owned()),
-            None => self::start(keywords, duration_s, &mut remarks).map(|start| (start.epoch, start.from))?,
+        let (start, start_sigma_s, start_from) = match start {
+            Some(start) => (start, 0.0, GIVEN.to_owned()),
+            None => {
+                let start = self::start(keywords, duration_s, &mut remarks)?;
+                (start.epoch, start.sigma_s(), start.from)
+            }
         };
         let names = [&start_from, &duration_from].into_iter().flat_map(|from| from.split(" + "));
         let names =
@@ -98,7 +109,7 @@ impl ExposureTime {
                 .filter_map(|name| keywords.difference(name))
                 .map(|sentence| format!("{sentence}; for another one specify --start and --exposure")),
         );
-        Ok(Self { start, duration_s, start_from, duration_from, remarks })
+        Ok(Self { start, start_sigma_s, duration_s, start_from, duration_from, remarks })
     }
 }
 
@@ -123,6 +134,7 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         return Ok(false);
     };
     let ends = || instants.found.iter().filter(|instant| instant.role == Role::End);
+    let is_of_one = length.coadds.is_none() && length.of_parts.is_none();
     let mut is_confirmed = false;
     for end in ends().filter(|end| !start.from.starts_with(&end.from)) {
         let span_s = seconds_between(start.epoch, end.epoch);
@@ -131,10 +143,12 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<
         let slack_s = START_SLACK_S + digits_s + SHIFT_SLACK * length.seconds;
         let is_same = |other: &&Instant| seconds_between(end.epoch, other.epoch).abs() <= START_SLACK_S;
         let readout_s = digits_s
-            + match ends().filter(is_same).map(|same| same.readout).max().unwrap_or(end.readout) {
-                Readout::Unknown => READOUT_S.min(READOUT_SHARE * length.seconds),
-                Readout::Possible => READOUT_S.min(length.seconds),
-                Readout::Included => READOUT_S,
+            + if is_of_one && has_second_clock(&instants, &start) {
+                READOUT_S
+            } else if ends().filter(is_same).any(|same| same.is_of_observation) {
+                READOUT_S.min(length.seconds)
+            } else {
+                READOUT_S.min(READOUT_SHARE * length.seconds)
             };
         let late_s = span_s - length.seconds;
         // Not "-0.0".
@@ -205,8 +219,7 @@ fn instants(keywords: Keywords<'_>) -> Result<Instants, Error> {
         let allowed = "TOPOCENTER or GEOCENTER (TIMEREF: LOCAL or GEOCENTRIC), or --start in UTC at the telescope";
         return Err(unreadable(keyword, &place, allowed));
     }
-    let (scale, is_stated) = scale(keywords)?;
-    Instants::read(keywords, scale, is_stated)
+    Instants::read(keywords, scale(keywords)?)
 }
 
 /// Returns the start with the highest precedence, after checking that all instants in the header agree.
@@ -254,7 +267,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
                 state(remarks, &before, &other_start.from, [&after[0], &after[1]]);
                 continue;
             }
-            let scale = scale(keywords)?.0;
+            let scale = scale(keywords)?.scale;
             let [first_start, second_start] =
                 [first.epoch, other_start.epoch].map(|start| start.round(1.milliseconds()));
             return Err(Error::invalid(
@@ -267,13 +280,11 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             ));
         }
         let step_s = first.step_s.max(other.step_s()) - EXACT_S;
-        let is_loose = other.role == Role::Start && (other.is_loose || other.is_loose_clock);
-        let usual_s = if is_loose { STATED_S } else { stated_s(duration_s).max(step_s) };
-        let least_s = match approximate {
-            Some(_) => START_SLACK_S,
-            None if !is_loose && other.role == Role::Start => AGREED_S.max(step_s),
-            None if difference_s < 0.0 => usual_s.min(START_SLACK_S),
-            None => usual_s,
+        let is_loose = other.is_loose || other.is_loose_clock;
+        let least_s = match other.role {
+            Role::Start if approximate.is_none() && !is_loose => AGREED_S.max(step_s),
+            Role::Start => START_SLACK_S,
+            _ => stated_s(duration_s).min(START_SLACK_S).max(step_s),
         };
         if difference_s.abs() > least_s + digits_s + if other.is_loose { other.slack_s } else { 0.0 } {
             let before = format!("the start is that of {}; ", first.from);
@@ -286,14 +297,11 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         let from = &first.from;
         remarks.push(format!("the start of {from} is uncertain by {:.1} s, by its digits or comment", first.slack_s));
     }
-    let created = instants.created.take().filter(|(from, _)| first.from.starts_with(from)).map(|(from, text)| {
-        format!(
-            "{from} is read as the end of the exposure (comment {text:?}), as the Seestar Photometry Stack for Siril does: the \
-             maker of the camera does not document it; for another start specify --start"
-        )
-    });
+    let readings = instants.readings.iter().filter(|(from, _)| first.from.split(" - ").next() == Some(from));
+    let readings = readings.map(|(_, sentence)| format!("{sentence}; for another start specify --start"));
+    let readings: Vec<String> = readings.collect();
     if approximate.is_none()
-        && created.is_none()
+        && readings.is_empty()
         && let Some(comment) = comments_of(keywords, &first).into_iter().find(Comment::is_doubtful)
     {
         remarks.push(format!(
@@ -302,9 +310,11 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
             comment.text()
         ));
     }
-    remarks.extend(created);
-    let readings = instants.readings.iter().filter(|(from, _)| first.from.split(" - ").next() == Some(from));
-    remarks.extend(readings.map(|(_, sentence)| format!("{sentence}; for another start specify --start")));
+    remarks.extend(readings);
+    if instants.others.iter().any(|other| other.from == first.from) {
+        let from = &first.from;
+        remarks.push(format!("the start is that of {from}, by its name or comment; for another one specify --start"));
+    }
     // A date that agrees shows that a number of days is that of the same part.
     let is_date = |instant: &Instant| !instant.is_loose && instant.role == Role::Start && instant.slack_s <= COARSE_S;
     let is_alone = !instants.found.iter().any(is_date);
@@ -339,17 +349,20 @@ fn chosen(keywords: Keywords<'_>, instants: &mut Instants, duration_s: f64) -> R
     if let Some(error) = instants.found.iter().find_map(|instant| day_problem(instant, duration_s)) {
         return Err(error);
     }
+    use_stated_middles(instants, duration_s);
     let mut first = find(&*instants, order[0]);
     if first.is_none() {
         if let Some(error) = instants.unclear.take() {
             return Err(error);
         }
         let known = &*instants;
+        let other = || known.others.iter().find(|other| other.is_loose && other.slack_s <= COARSE_S);
         first = order[1..].iter().find_map(|choice| find(known, *choice));
+        first = first.or_else(|| other().map(|other| start_of(other, duration_s)));
     }
     if let Some(start) = &mut first {
         use_stated(keywords, instants, start);
-        use_finer(instants, start, duration_s);
+        use_finer(instants, start);
     }
     if let Some(error) = instants.unusable(first.as_ref().map(|start| start.epoch)) {
         return Err(error);

@@ -95,7 +95,17 @@ pub const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-U
 
 /// Other keywords of the date of the observation, which are used without those of [`DATES`]. The date may be that of
 /// the evening, or local.
-pub const OTHER_DATES: &[&str] = &["OBS-DATE"];
+pub const OTHER_DATES: &[&str] = &["OBS-DATE", "DATETIME"];
+
+/// Keywords with a time of day that may be local, which are used only beside a date without any other time (Lick).
+pub const LAST_TIMES: &[&str] = &["TIME"];
 
 /// Keywords of local times.
 pub const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "LT"];
+
+/// Keywords of the receiver of GPS of a camera (QHY with N.I.N.A.): start and end of the exposure.
+pub const GPS_TIMES: &[(&str, Role)] =
+    &[("GPS-SUTC", Role::Start), ("GPS-ST", Role::Start), ("GPS-EUTC", Role::End), ("GPS-ET", Role::End)];
+
+/// Keywords of the sidereal time of the site.
+pub const SIDEREAL_TIMES: &[&str] = &["LST", "LST-OBS", "LMST", "ST", "SIDTIME", "SIDEREAL"];

@@ -5,8 +5,7 @@ use crate::error::Error;
 
 use super::super::card::{Card, CardValue};
 use super::comment::{AGREED_S, Comment, begins_with_exposure, seconds_in};
-use super::instants::unreadable;
-use super::moment::{Keywords, bare, is_spelling, parse_time};
+use super::moment::{Keywords, bare, is_spelling, parse_time, unreadable};
 use super::relative::RelativeTimes;
 use super::stacks::{
     ACCUMULATIONS, ADDED, COADDS, OF_CALIBRATION, OF_SERIES, Parts, STACKS, agree, doubtful, is_alone,

@@ -4,7 +4,7 @@ use hifitime::{Epoch, TimeScale};
 
 use crate::constants::DAY_S;
 use crate::error::Error;
-use crate::frames::seconds_after;
+use crate::frames::{seconds_after, seconds_between};
 use crate::images::card::{Card, CardValue};
 use crate::images::header::Header;
 
@@ -252,6 +252,25 @@ pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale)
     )
     .ok()?;
     Some(seconds_after(minute, seconds))
+}
+
+/// Returns the beginning of a day that is after a start, such as the last night of a stack.
+pub(super) fn late_day(start: Epoch, day: [u32; 3], scale: TimeScale) -> Option<Epoch> {
+    at(day, [0, 0], 0.0, scale).filter(|midnight| *midnight > start)
+}
+
+/// Returns the epoch of a time of day that is within half a day of a start.
+pub(super) fn near(start: Epoch, time: &str, scale: TimeScale) -> Option<Epoch> {
+    let (clock, seconds) = parse_time(time)?;
+    let (year, month, day, ..) = start.to_gregorian(scale);
+    let epoch = at([u32::try_from(year).ok()?, month.into(), day.into()], clock, seconds, scale)?;
+    let late_days = (seconds_between(epoch, start) / DAY_S).round();
+    Some(seconds_after(epoch, late_days * DAY_S))
+}
+
+/// Returns the error of a value that cannot be read.
+pub(super) fn unreadable(keyword: String, value: &str, allowed: &str) -> Error {
+    Error::invalid(keyword, format!("{value:?}"), allowed)
 }
 
 /// Headers in order of precedence: first the header of the image, then the primary header.

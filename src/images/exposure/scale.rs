@@ -6,8 +6,7 @@ use crate::error::Error;
 
 use super::comment::Comment;
 use super::instant_keywords::{DATES, MODIFIED_DATES};
-use super::instants::unreadable;
-use super::moment::Keywords;
+use super::moment::{Keywords, unreadable};
 
 /// Word of TIMESYS for a clock that is not exactly in the scale (`UTC approximate` in the keyword dictionary of NOAO,
 /// <https://iraf.noao.edu/projects/mosaic/imagedef/mosaic/MosaicV1.dic>).
@@ -16,16 +15,41 @@ pub const APPROXIMATE: &str = "APPROXIMATE";
 /// Keywords of the time scale.
 const SCALES: &[&str] = &["TIME-SYS", "TIMESCAL"];
 
-/// Returns the time scale of dates, which is given by TIMESYS, and whether it is given.
-pub fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
+/// Time scale of the dates of a header.
+#[derive(Copy, Clone)]
+pub struct DateScale {
+    /// The scale of TIMESYS; UTC without it.
+    pub scale: TimeScale,
+    /// True if TIMESYS states it.
+    pub is_stated: bool,
+}
+
+impl DateScale {
+    /// Returns the scale of a date: that of TIMESYS, or else the one that its comment states. A date of which the
+    /// comment states that it was converted to UTC is in UTC (files of HEASARC, whose TIMESYS is that of TSTART).
+    pub fn of(self, comment: &Comment) -> TimeScale {
+        if !self.is_stated {
+            comment.scale().ok().flatten().unwrap_or(self.scale)
+        } else if comment.is_converted_to_universal() {
+            TimeScale::UTC
+        } else {
+            self.scale
+        }
+    }
+}
+
+/// Returns the time scale of dates, which is given by TIMESYS.
+pub fn scale(keywords: Keywords<'_>) -> Result<DateScale, Error> {
     let stated = scales(keywords);
-    let Some((keyword, value)) = stated.first() else { return Ok((TimeScale::UTC, false)) };
+    let Some((keyword, value)) = stated.first() else {
+        return Ok(DateScale { scale: TimeScale::UTC, is_stated: false });
+    };
     let scale = known_scale(value).ok_or_else(|| unreadable(keyword.clone(), value, "UTC, TAI, TT, TDB or GPS"))?;
     if let Some((other, name)) = stated.iter().find(|(_, name)| known_scale(name).is_some_and(|other| other != scale)) {
         let given = format!("{value:?}, and {other} is {name:?}");
         return Err(Error::invalid(keyword.clone(), given, "one time scale, or --start"));
     }
-    Ok((scale, true))
+    Ok(DateScale { scale, is_stated: true })
 }
 
 fn known_scale(value: &str) -> Option<TimeScale> {

@@ -8,17 +8,17 @@ use crate::frames::{seconds_after, seconds_between};
 
 use super::super::card::CardValue;
 use super::comment::{AGREED_S, Comment, Role};
-use super::instant_keywords::{LOOSE_DATES, OTHER_DATES, names_start};
-use super::instants::{Instant, Instants};
+use super::instant::Instant;
+use super::instant_keywords::{LAST_TIMES, LOOSE_DATES, OTHER_DATES, SIDEREAL_TIMES, names_start};
+use super::instants::Instants;
 use super::length::STATED_S;
 use super::moment::{DateText, Keywords, is_spelling, parse_date, parse_time};
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 use super::scale::timesys;
 use super::stacks::REMARKS;
 
-/// Keywords of the sidereal time of the site, and the largest difference that is not stated, seconds: it may be that of
-/// another part of the exposure, or read some minutes before.
-const SIDEREAL_TIMES: &[&str] = &["LST", "LST-OBS", "LMST", "ST", "SIDTIME", "SIDEREAL"];
+/// Largest difference of the sidereal time that is not stated, seconds: it may be that of another part of the exposure,
+/// or read some minutes before.
 const SIDEREAL_SLACK_S: f64 = 600.0;
 
 /// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
@@ -59,6 +59,14 @@ pub struct Start {
     pub slack_s: f64,
     /// Last digit of the seconds as written, seconds.
     pub step_s: f64,
+}
+
+impl Start {
+    /// Returns the error (one sigma) of the start, seconds: that of its comment or of its digits as a number of days, and
+    /// that of a time that is cut or rounded to its last digit.
+    pub fn sigma_s(&self) -> f64 {
+        self.slack_s.hypot(self.step_s / 12f64.sqrt())
+    }
 }
 
 /// Returns the start of an exposure of which an instant is known.
@@ -117,12 +125,13 @@ pub fn states_start(keywords: Keywords<'_>, start: &Start) -> bool {
     start.from.split(" + ").any(names_start) || comments_of(keywords, start).iter().any(is_stated)
 }
 
-/// Returns a sentence about a start in OBS-DATE if nothing states that it is in universal time.
+/// Returns a sentence about a start in OBS-DATE, DATETIME or TIME if nothing states that it is in universal time.
 pub fn of_other_date(keywords: Keywords<'_>, start: &Start) -> Option<String> {
     let name = start.from.split(" + ").next()?;
-    let (header, _) = keywords.find(name).filter(|_| OTHER_DATES.iter().any(|other| is_spelling(other, name)))?;
-    let is_stated = timesys(keywords).is_some() || keywords.comment(header, name).is_universal();
-    (!is_stated).then(|| {
+    let is_last = start.from.split(" + ").any(|part| LAST_TIMES.contains(&part));
+    let is_doubtful = is_last || OTHER_DATES.iter().any(|other| is_spelling(other, name));
+    let is_stated = timesys(keywords).is_some() || comments_of(keywords, start).iter().any(Comment::is_universal);
+    (is_doubtful && !is_stated).then(|| {
         format!(
             "the start is that of {}, which is read as the date in UTC: if it is local or that of the evening, specify --start",
             start.from
@@ -271,7 +280,11 @@ pub fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<S
             Role::End => ("end", duration_s),
         };
         let late_s = seconds_between(start.epoch, other.epoch) - expected_s;
-        let slack_s = STATED_S + start.slack_s + other.slack_s + SHIFT_SLACK * duration_s;
+        let least_s = match other.role {
+            Role::Start => AGREED_S + start.step_s.max(other.step_s()),
+            _ => STATED_S + SHIFT_SLACK * duration_s,
+        };
+        let slack_s = least_s + start.slack_s + other.slack_s;
         (slack_s..LONGEST_STACK_S).contains(&late_s.abs()).then(|| {
             let side = if late_s > 0.0 { "later" } else { "earlier" };
             format!(
@@ -283,5 +296,12 @@ pub fn other_parts(instants: &Instants, start: &Start, duration_s: f64) -> Vec<S
             )
         })
     };
-    instants.others.iter().filter_map(sentence).collect()
+    // A start that is that of a known keyword was compared with it.
+    let is_known = |other: &&Instant| {
+        let is_same = |known: &Instant| {
+            seconds_between(known.epoch, other.epoch).abs() <= AGREED_S + known.slack_s + other.slack_s
+        };
+        instants.found.iter().any(|known| known.role == other.role && is_same(known))
+    };
+    instants.others.iter().filter(|other| !is_known(other)).filter_map(sentence).collect()
 }

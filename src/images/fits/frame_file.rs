@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::super::header::Header;
 use super::super::pixels::Plane;
 use super::cfitsio::{CPixel, Handle};
-use super::hdu::{HduInfo, HduKind, cube_words, scan};
+use super::hdu::{HduInfo, HduKind, scan};
 use super::tile_header::columns;
 use super::tile_table::TileTable;
 use crate::error::Error;
@@ -83,7 +83,7 @@ impl FrameFile {
     pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), Error> {
         let info = self.hdu(hdu)?;
         let size = info.image_size().ok_or_else(|| {
-            let remedy = cube_words(&info.shape).filter(|_| info.is_image()).map(|(_, remedy)| remedy);
+            let remedy = info.cube.as_ref().filter(|_| info.is_image()).map(|(_, remedy)| remedy);
             let allowed = match (self.images(), remedy) {
                 (images, Some(remedy)) if images.is_empty() => format!("an image of two axes: {remedy}"),
                 (images, None) if images.is_empty() => "an image of two axes (the file has none)".to_owned(),

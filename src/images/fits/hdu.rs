@@ -47,6 +47,8 @@ pub struct HduInfo {
     pub shape: Vec<usize>,
     /// Format of the stored pixels. For a compressed image this is the format of the image.
     pub format: PixelFormat,
+    /// Description of an image that is not of two axes, and how to get a frame from it.
+    pub(super) cube: Option<(String, &'static str)>,
     /// Position of the header in the file, bytes.
     pub(super) header_at: u64,
     /// Position of the data in the file, bytes.
@@ -55,26 +57,37 @@ pub struct HduInfo {
     pub(super) data_length: u64,
 }
 
+/// Keywords and words of colour images: the programs of cameras, and the names of an axis of colours.
+const COLOUR_KEYWORDS: &[&str] = &["BAYERPAT", "COLORTYP", "COLORSPC", "CSPACE"];
+const COLOURS: &[&str] = &["RGB", "COLOR", "COLOUR"];
+
 /// Returns a description of an image that is not of two axes, and how to get a frame from it; `None` for a frame, which
 /// may have further axes of length 1.
-pub(super) fn cube_words(shape: &[usize]) -> Option<(String, &'static str)> {
+fn cube_words(shape: &[usize], header: &Header) -> Option<(String, &'static str)> {
     shape.get(2..)?.iter().find(|length| **length != 1)?;
     let axes: Vec<usize> = (0..shape.len()).filter(|axis| shape[*axis] != 1).collect();
     let plane = "extract the plane of one exposure as an image of two axes";
+    let green = "extract the green plane as an image of two axes";
     Some(match axes[..] {
         [first, _, third] => {
             // The colours of some programs are the first axis.
             let axis = if shape[first] < 5 { first } else { third };
-            let count = shape[axis];
-            let (what, remedy) = if count == 3 || count == 4 {
-                (
+            let (count, number) = (shape[axis], axis + 1);
+            let axis_type = header.text(&format!("CTYPE{number}")).filter(|text| !text.trim().is_empty());
+            let is_colour = |text: &String| COLOURS.iter().any(|name| text.to_ascii_uppercase().starts_with(name));
+            let has_colours = COLOUR_KEYWORDS.iter().any(|keyword| header.contains(keyword));
+            let (what, remedy) = match &axis_type {
+                _ if !(3..=4).contains(&count) => ("a cube", plane),
+                Some(text) if is_colour(text) => ("a colour image", green),
+                Some(_) => ("a cube", "extract one plane as an image of two axes"),
+                None if has_colours => ("a colour image", green),
+                None => (
                     "a cube or a colour image",
-                    "extract one plane, for example the green one of a colour image, as an image of two axes",
-                )
-            } else {
-                ("a cube", plane)
+                    "extract one plane, that of one exposure or the green one of a colour image, as an image of two axes",
+                ),
             };
-            (format!("{what} of {count} planes (NAXIS{} = {count})", axis + 1), remedy)
+            let of_axis = axis_type.map(|text| format!(", CTYPE{number} = '{}'", text.trim())).unwrap_or_default();
+            (format!("{what} of {count} planes (NAXIS{number} = {count}{of_axis})"), remedy)
         }
         [_, _, _, ..] => (format!("a cube of axes {shape:?}"), plane),
         _ => (format!("an image of axes {shape:?}"), "remove the axes of length 1"),
@@ -102,8 +115,8 @@ impl HduInfo {
     pub(super) fn words(&self) -> String {
         match &self.kind {
             HduKind::Empty => "only a header".to_owned(),
-            HduKind::Image | HduKind::CompressedImage(_) => match cube_words(&self.shape) {
-                Some((words, _)) => words,
+            HduKind::Image | HduKind::CompressedImage(_) => match &self.cube {
+                Some((words, _)) => words.clone(),
                 None => format!("an image of axes {:?}", self.shape),
             },
             HduKind::Table => "a table".to_owned(),
@@ -307,5 +320,6 @@ fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at:
         format.blank = None;
     }
     let name = header.text("EXTNAME").unwrap_or_default();
-    Ok(HduInfo { index, name, kind, shape, format, header_at, data_at, data_length })
+    let cube = cube_words(&shape, header);
+    Ok(HduInfo { index, name, kind, shape, format, cube, header_at, data_at, data_length })
 }

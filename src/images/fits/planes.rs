@@ -4,7 +4,6 @@ use super::super::header::Header;
 use super::super::pixels::PixelPosition;
 use super::super::wcs::Wcs;
 use super::frame_file::FrameFile;
-use super::hdu::cube_words;
 use crate::error::{Error, ErrorKind};
 
 /// Content of a companion plane.
@@ -35,6 +34,8 @@ pub struct CompanionPlane {
     pub of: Option<usize>,
     /// Content of the plane.
     pub kind: PlaneKind,
+    /// Card that states that it is no frame, such as `PRODTYPE = 'WTMAP'`, if its name does not.
+    pub card: Option<String>,
 }
 
 /// Images of a file by their roles.
@@ -48,8 +49,8 @@ pub struct FrameImages {
     pub tables: Vec<usize>,
     /// HDUs of frames with the shape and the world coordinates of an earlier frame.
     pub same_sky: Vec<usize>,
-    /// HDUs of images with more than two axes, with the lengths of their axes.
-    pub cubes: Vec<(usize, Vec<usize>)>,
+    /// HDUs of images with more than two axes, with a description, and how to get a frame from them.
+    pub cubes: Vec<(usize, String, &'static str)>,
 }
 
 /// Words in names of planes that are not light of the sky, with their content.
@@ -92,7 +93,7 @@ const KINDS: &[(&str, PlaneKind)] = &[
 ];
 
 /// Parts of words that mark planes in combined names, such as `CHIPMASK` or `BADFLAGS`.
-const PARTS: [&str; 5] = ["MASK", "VARIANCE", "WEIGHT", "IVAR", "FLAG"];
+const PARTS: [&str; 7] = ["MASK", "VARIANCE", "VARMAP", "RMSMAP", "WEIGHT", "IVAR", "FLAG"];
 
 /// Words in names of images that belong to a frame of another time, such as the template of a difference, or that have
 /// a date of their own because another program wrote them.
@@ -170,8 +171,8 @@ impl FrameImages {
     fn from_file(file: &FrameFile) -> Result<Self, Error> {
         let mut found = Self::default();
         for info in file.hdus() {
-            if info.is_image() && info.shape.len() > 2 && info.image_size().is_none() {
-                found.cubes.push((info.index, info.shape.clone()));
+            if let Some((words, remedy)) = info.cube.as_ref().filter(|_| info.is_image()) {
+                found.cubes.push((info.index, words.clone(), remedy));
             }
         }
         let mut frames: Vec<Image> = Vec::new();
@@ -180,7 +181,7 @@ impl FrameImages {
             let image = Image::from_hdu(file, hdu)?;
             if DISTORTION_TABLES.iter().any(|table| image.name.starts_with(table)) {
                 found.tables.push(hdu);
-            } else if let Some(kind) = kind_of(&image.name).or(image.class) {
+            } else if let Some(kind) = kind_of(&image.name).or(image.class.as_ref().map(|(kind, _)| *kind)) {
                 planes.push((image, kind));
             } else {
                 match frames.iter().position(|frame| image.has_pixels_of(frame) || image.overlaps(frame)) {
@@ -216,7 +217,10 @@ impl FrameImages {
         found.companions = planes
             .into_iter()
             .zip(of)
-            .map(|((plane, kind), of)| CompanionPlane { hdu: plane.hdu, name: plane.name, of, kind })
+            .map(|((plane, kind), of)| {
+                let card = plane.class.filter(|_| kind_of(&plane.name).is_none()).map(|(_, card)| card);
+                CompanionPlane { hdu: plane.hdu, name: plane.name, of, kind, card }
+            })
             .collect();
         found.frames = frames.iter().map(|frame| frame.hdu).collect();
         Ok(found)
@@ -253,21 +257,26 @@ impl FrameImages {
         if !self.tables.is_empty() {
             parts.push(format!("distortion tables: HDU {}", numbers(&self.tables)));
         }
-        let words = |(hdu, shape): &(usize, Vec<usize>)| {
-            cube_words(shape).map(|(words, _)| format!("HDU {hdu} is {words} and is ignored"))
-        };
-        parts.extend(self.cubes.iter().filter_map(words));
+        parts.extend(self.cubes.iter().map(|(hdu, words, _)| format!("HDU {hdu} is {words} and is ignored")));
         Some(parts.join("; "))
     }
 
-    /// Returns the number of frames of a file without any, with its first cube, and what to do.
+    /// Returns the number of frames of a file without any, with its first cube or companion plane, and what to do.
     pub fn no_frame(&self) -> (String, String) {
-        let cube = self.cubes.first().and_then(|(hdu, shape)| Some((hdu, cube_words(shape)?)));
-        match cube {
-            Some((hdu, (words, remedy))) => {
-                (format!("0; HDU {hdu} is {words}"), format!("1 or more images of two axes: {remedy}"))
+        if let Some((hdu, words, remedy)) = self.cubes.first() {
+            return (format!("0; HDU {hdu} is {words}"), format!("1 or more images of two axes: {remedy}"));
+        }
+        let allowed = "1 or more (masks, weights and tables are ignored)";
+        match self.companions.first() {
+            Some(plane) => {
+                let by = plane.card.as_ref().map_or_else(|| "its name".to_owned(), String::clone);
+                let (hdu, name) = (plane.hdu, shown(&plane.name));
+                (
+                    format!("0; HDU {hdu}{name} is no frame by {by}"),
+                    format!("{allowed}, or --hdu {hdu} to use it as a frame"),
+                )
             }
-            None => ("0".to_owned(), "1 or more (masks, weights and tables are ignored)".to_owned()),
+            None => ("0".to_owned(), allowed.to_owned()),
         }
     }
 }
@@ -279,8 +288,8 @@ const SAME_MJD_DAY: f64 = 1e-6;
 struct Image {
     hdu: usize,
     name: String,
-    /// Content that HDUCLAS2 and HDUCLAS3 state (ESO's standard of data products).
-    class: Option<PlaneKind>,
+    /// Content that HDUCLAS2 and HDUCLAS3 (ESO's standard of data products) or keywords of archives state, and the card.
+    class: Option<(PlaneKind, String)>,
     size: [usize; 2],
     version: Option<i64>,
     /// DATE-OBS, without zeros at the end of its seconds, and MJD-OBS.
@@ -481,32 +490,35 @@ fn kind_of(name: &str) -> Option<PlaneKind> {
     }
 }
 
-/// Returns the content that HDUCLAS2 and HDUCLAS3 state; `None` for data and without these keywords.
-fn kind_of_class(header: &Header) -> Option<PlaneKind> {
+/// Returns the content that HDUCLAS2 and HDUCLAS3 state, with the card; `None` for data and without these keywords.
+fn kind_of_class(header: &Header) -> Option<(PlaneKind, String)> {
     let [class, form] =
         ["HDUCLAS2", "HDUCLAS3"].map(|keyword| header.text(keyword).unwrap_or_default().to_ascii_uppercase());
-    match (class.as_str(), form.as_str()) {
-        ("ERROR", "MSE") => Some(PlaneKind::Variance),
-        ("ERROR", "INVMSE") => Some(PlaneKind::InverseVariance),
-        ("ERROR", _) => Some(PlaneKind::Error),
-        ("QUALITY", _) => Some(PlaneKind::Mask),
-        _ => None,
-    }
+    let kind = match (class.as_str(), form.as_str()) {
+        ("ERROR", "MSE") => PlaneKind::Variance,
+        ("ERROR", "INVMSE") => PlaneKind::InverseVariance,
+        ("ERROR", _) => PlaneKind::Error,
+        ("QUALITY", _) => PlaneKind::Mask,
+        _ => return None,
+    };
+    Some((kind, format!("HDUCLAS2 = '{class}'")))
 }
 
-/// Returns the content that keywords of archives state for all images of a file: PRODTYPE (NOIRLab), PRODCATG (ESO) and
-/// OBSTYPE (Las Cumbres Observatory); `None` for data and without these keywords.
-fn kind_of_product(headers: &[&Header]) -> Option<PlaneKind> {
-    let text = |keyword: &str| headers.iter().find_map(|header| header.text(keyword)).unwrap_or_default();
-    let [product, category, observed] =
-        ["PRODTYPE", "PRODCATG", "OBSTYPE"].map(|keyword| text(keyword).trim().to_ascii_uppercase());
-    match (product.as_str(), category.as_str(), observed.as_str()) {
-        ("DQMASK", ..) | (.., "BPM") => Some(PlaneKind::Mask),
-        ("WTMAP", ..) | (_, "ANCILLARY.WEIGHTMAP", _) => Some(PlaneKind::Weight),
-        ("EXPMAP", ..) => Some(PlaneKind::Other),
-        _ if category.starts_with("ANCILLARY.") => Some(PlaneKind::Other),
-        _ => None,
-    }
+/// Returns the content that keywords of archives state for all images of a file, with the card: PRODTYPE (NOIRLab),
+/// PRODCATG (ESO) and OBSTYPE (Las Cumbres Observatory); `None` for data and without these keywords.
+fn kind_of_product(headers: &[&Header]) -> Option<(PlaneKind, String)> {
+    ["PRODTYPE", "PRODCATG", "OBSTYPE"].into_iter().find_map(|keyword| {
+        let text = headers.iter().find_map(|header| header.text(keyword))?.trim().to_ascii_uppercase();
+        let kind = match (keyword, text.as_str()) {
+            ("PRODTYPE", "DQMASK") | ("OBSTYPE", "BPM") => PlaneKind::Mask,
+            ("PRODTYPE", "WTMAP") | ("PRODCATG", "ANCILLARY.WEIGHTMAP") => PlaneKind::Weight,
+            ("PRODTYPE", "EXPMAP") => PlaneKind::Other,
+            // Other files beside a product of ESO, such as ANCILLARY.IMAGE, may be images of the sky.
+            ("PRODCATG", category) => kind_of(category.strip_prefix("ANCILLARY.")?)?,
+            _ => return None,
+        };
+        Some((kind, format!("{keyword} = '{text}'")))
+    })
 }
 
 /// Returns a name in brackets for messages.

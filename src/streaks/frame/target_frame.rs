@@ -57,6 +57,8 @@ pub struct TargetFrame {
     pub file: FrameFile,
     /// Time at which the shutter opened.
     pub opened: Epoch,
+    /// Error (one sigma) of that time by its digits or by the comment in the header, seconds; 0 if it is given.
+    pub start_sigma_s: f64,
     /// Exposure time, seconds.
     pub exposure_s: f64,
     /// Chips with images, at least one.
@@ -116,6 +118,7 @@ impl TargetFrame {
         let assumed_zero_point = zero_point.and_then(|zero_point| zero_point.assumption());
         Ok(Self {
             opened,
+            start_sigma_s: exposure.start_sigma_s,
             exposure_s,
             chips,
             images,

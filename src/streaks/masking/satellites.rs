@@ -357,6 +357,7 @@ impl Masking<'_> {
         let Some(propagator) = self.interval.propagator(element_index) else { return Ok(FrameMask::default()) };
         let uncertainty = self.interval.uncertainty(element_index, propagator, middle_s);
         let (lateness, not_manoeuvred) = uncertainty.lateness.without_manoeuvres();
+        let lateness = lateness.blurred(self.frame.start_sigma_s);
         let delay_s = lateness.half_width_s(self.share).min(Lateness::LONGEST_S);
         let errors = PositionErrors { lateness, not_manoeuvred, cross_track_km: uncertainty.cross_track_km, delay_s };
         let delays_s = measured.iter().filter_map(|streak| streak.late_s);

@@ -22,6 +22,10 @@ fn verif_zero_points() {
         ("PHOTZP  = 29.4 / Photometric zeropoint MAG=-2.5*log(data)+PHOTZP", 29.4, Some(CountBasis::Frame), "PHOTZP"),
         ("MAGZPT  = 24.0 / m = -2.5 log10(counts/exptime) + MAGZPT", 24.0, Some(CountBasis::Second), "MAGZPT"),
         ("PHOTZP  = 24.0 / -2.5*log(flux)+PHOTZP", 24.0, None, "PHOTZP"),
+        ("PHOTZP  = 24.0 / -2.5*log(data)+2.5*log(EXPTIME)+PHOTZP", 24.0, Some(CountBasis::Second), "PHOTZP"),
+        ("MAGZPT  = 24.0 / 2.5 log10(t) - 2.5 log10(counts) + MAGZPT", 24.0, Some(CountBasis::Second), "MAGZPT"),
+        ("MAGZP   = 24.0 / -2.5*log(data)-2.5*log(EXPTIME)+MAGZP", 24.0, None, "MAGZP"),
+        ("ZP      = 24.0 / -2.5*log(data)/EXPTIME+ZP", 24.0, None, "ZP"),
     ] {
         let found = zero_point(cards).expect(cards);
         assert!((found.mag - mag).abs() < 1e-9, "{cards}: {}", found.mag);

@@ -102,7 +102,7 @@ fn verif_other_readings_of_a_header_are_stated() {
         "DARKTIME= 38.8 / Total elapsed time (sec)",
         "DARKTIME= 30.0",
         "ABORTED = F",
-        "OPENSHUT= '2026-08-22T03:15:01.2' / Time when shutter opened (UTC)",
+        "OPENSHUT= '2026-08-22T03:15:01.0' / Time when shutter opened (UTC)",
         "CANABORT= T",
         "AIRMASS = 1.31 / actual airmass at start of exposure",
         "TIMEREF = 'LOCAL'",
@@ -153,9 +153,23 @@ fn verif_other_readings_of_a_header_are_stated() {
         assert!(found.remarks.len() == 1 && found.remarks[0].contains(words), "{cards}: {:?}", found.remarks);
     }
     for (stated, remarks) in [("", 1), (" / UT date", 0)] {
-        let found = time(&format!("OBS-DATE= '2026-08-22T03:15:00'{stated}\nEXPTIME = 60.0")).unwrap();
-        assert_eq!(found.remarks.len(), remarks, "{stated}: {:?}", found.remarks);
+        for card in ["OBS-DATE= '2026-08-22T03:15:00'", "DATETIME= '2026-08-22 03:15:00.5'"] {
+            let found = time(&format!("{card}{stated}\nEXPTIME = 60.0")).unwrap();
+            assert_eq!(found.remarks.len(), remarks, "{card}{stated}: {:?}", found.remarks);
+        }
+        let found = time(&format!("DATE-OBS= '2026-08-22'\nTIME    = '03:15:00'{stated}\nEXPTIME = 60.0")).unwrap();
+        assert_eq!(
+            (found.start_from.as_str(), found.remarks.len()),
+            ("DATE-OBS + TIME", remarks),
+            "{:?}",
+            found.remarks
+        );
     }
+    // A local time in TIME is not compared with a full date, and 30 s are no time of day.
+    let found = time("DATE-OBS= '2026-08-22T03:15:00'\nTIME    = '20:15:00'\nEXPTIME = 60.0").unwrap();
+    assert_eq!(found.remarks, [""; 0]);
+    assert!(time("DATE-OBS= '2026-08-22'\nTIME    = '00:01:00' / exposure time\nEXPTIME = 60.0").is_err());
+    assert!(time("DATE-OBS= '2026-08-22'\nTIME    = 30.0\nEXPTIME = 60.0").is_err());
     for card in ["DATETIME= '2026:08:21 20:15:00'", "DATE-TIM= '2026-08-21 20:15:00'"] {
         assert!(time(&format!("{card}\nEXPTIME = 60.0")).is_err(), "{card}");
     }

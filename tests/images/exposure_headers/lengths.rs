@@ -248,7 +248,7 @@ fn valid_times_of_shutters_and_requests() {
         ("EXPOSURE= 30.0 / Requested exposure time in seconds", 30.0, 0),
         ("EXPTIME = 1.0\nINT-TIME= 6.0 / EXPTIME + reset time", 1.0, 1),
         // The end of MegaPrime and WIRCam is after the readout.
-        ("EXPTIME = 20.194\nTELESCOP= 'CFHT 3.6m'\nDATE-END= '2026-08-22T03:16:07.9'", 20.194, 1),
+        ("EXPTIME = 20.194\nUTC-OBS = '03:15:00.2'\nDATE-END= '2026-08-22T03:16:07.9'", 20.194, 1),
     ] {
         let found = time(&format!("{at}{cards}")).unwrap_or_else(|error| panic!("{cards}: {error}"));
         assert_eq!((found.duration_s, found.remarks.len()), (seconds, remarks), "{cards}: {:?}", found.remarks);

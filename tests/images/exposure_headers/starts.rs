@@ -311,7 +311,8 @@ fn verif_a_clock_is_not_before_the_start() {
         ("UT      = '03:14:59.5'", 0),
         // As in headers of ESO's HARPS.
         ("UTC     = '03:14:54.6' / 03:14:54.600 UTC at start (sec)", 1),
-        ("UT      = '03:15:03'", 0),
+        ("UT      = '03:15:01'", 0),
+        ("UT      = '03:15:03'", 1),
         ("UT      = '03:20:45'", 1),
         // Days of which the digits after the fourth are cut off.
         ("JD      =         2461274.6354", 0),
@@ -373,11 +374,11 @@ fn verif_the_finer_of_two_clocks_is_used() {
         ("UTSTART = '03:14:45.900'", "2026-08-22T03:14:45.9", "UTSTART"),
         ("TIME-OBS= '03:14:45.900'", "2026-08-22T03:14:45.9", "TIME-OBS"),
         ("DATE-STR= '2026-08-22T03:14:44.6'", "2026-08-22T03:14:44.6", "DATE-STR"),
-        ("DATE-AVG= '2026-08-22T03:15:15.900'", "2026-08-22T03:14:45.9", "DATE-AVG - half of the exposure"),
         ("DATE-HP = '2026-08-22T03:14:45.900'", "2026-08-22T03:14:45.9", "DATE-HP"),
         ("UTSTART = '03:14:45.050'", "2026-08-22T03:14:45", "DATE-OBS"),
         ("UTSTART = '03:14:46'", "2026-08-22T03:14:45", "DATE-OBS"),
-        // A clock that may be that of another instant, and an end, which may include the readout.
+        // A clock that may be that of another instant, and a middle and an end, which may include the readout.
+        ("DATE-AVG= '2026-08-22T03:15:15.900'", "2026-08-22T03:14:45", "DATE-OBS"),
         ("UT      = '03:14:45.900'", "2026-08-22T03:14:45", "DATE-OBS"),
         ("DATE-END= '2026-08-22T03:15:45.900'", "2026-08-22T03:14:45", "DATE-OBS"),
         ("DATE-BEG= '2026-08-22T03:14:45'\nUTSTART = '03:14:45.900'", "2026-08-22T03:14:45.9", "UTSTART"),
@@ -494,7 +495,7 @@ fn valid_clocks_of_gemini_and_cfht() {
         ),
         // MegaPrime: the end with the readout; days of the command, and the shutter.
         (
-            "TELESCOP= 'CFHT 3.6m'\nDATE-OBS= '2010-11-03'\nUTC-OBS = '04:37:54.31'\nMJD-OBS = 55503.1929897\n\
+            "TELESCOP= 'CFHT 3.6m'\nDATE-OBS= '2010-11-03'\nUTC-OBS = '04:37:54.31'\nUTIME   = '04:37:54.31'\nMJD-OBS = 55503.1929897\n\
              MJDEND  = 55503.1937756\nUTCEND  = '04:39:02.21'",
             20.194,
             "2010-11-03T04:37:54.31",
@@ -526,8 +527,8 @@ fn valid_clocks_of_gemini_and_cfht() {
     }
 }
 
-/// A late end within a minute is stated if it is that of the observation, by its comment or at the CFHT; factors are
-/// errors.
+/// A late end within a minute is stated if it is that of the observation, by its comment, or if a second clock agrees
+/// with the start and nothing states several exposures; factors are errors.
 #[test]
 fn valid_ends_of_observations() {
     let at = "DATE-OBS= '2020-02-02T00:03:34.047'\n";
@@ -539,8 +540,12 @@ fn valid_ends_of_observations() {
         (end("00:05:44.550", ""), 100.0, false),
         (end("00:07:00", of_observation), 100.0, false),
         (end("00:04:00", of_observation), 5.0, false),
-        (end("00:04:00", "\nTELESCOP= 'CFHT 3.6m'"), 5.0, true),
-        (end("00:05:00", "\nTELESCOP= 'CFHT 3.6m'"), 5.0, false),
+        (end("00:04:00", "\nTELESCOP= 'CFHT 3.6m'\nUTC-OBS = '00:03:34.047'"), 5.0, true),
+        (end("00:04:00", "\nUT      = '00:03:34.0'"), 5.0, true),
+        (end("00:04:00", "\nMJD-OBS = 58881.00247739"), 5.0, false),
+        (end("00:04:00", "\nUTC-OBS = '00:03:34.047'\nCOADDS  = 5"), 5.0, false),
+        (end("00:04:00", "\nUTC-OBS = '00:03:34.047'\nNCOMBINE= 5"), 5.0, false),
+        (end("00:05:00", "\nTELESCOP= 'CFHT 3.6m'\nUTC-OBS = '00:03:34.047'"), 5.0, false),
         (end("00:33:34", of_observation), 2.0, false),
     ] {
         let found = time(&format!("{cards}\nEXPTIME = {length_s:?}\n"));
@@ -605,4 +610,114 @@ fn invalid_references_and_scales() {
         assert!(time(&format!("{at}TIMESYS = '{scale}'\n{LENGTH}")).is_err(), "{scale}");
     }
     begins(&format!("{at}TIMESYS = 'UTC(NIST)'\n{LENGTH}"), "2026-08-22T03:15:00", "DATE-OBS");
+}
+
+/// Starts in keywords of other names are compared with the start, and are used without another one, which is stated.
+#[test]
+fn verif_starts_in_keywords_of_other_names() {
+    let at = "DATE-OBS= '2026-08-22T03:15:00.000'\nUT      = '03:15:00.000'\nEXPTIME = 60.0\n";
+    for (card, words) in [
+        ("GPS_SUTC= '2026-08-22T03:15:00.400' / Start shutter time", "GPS_SUTC is 0.4 s later than the start"),
+        ("GPS_ST  = '2026-08-22T03:15:07.100'", "GPS_ST is 7.1 s later"),
+        ("OBSSTART= '2026-08-22T03:15:07.100' / shutter open", "OBSSTART is 7.1 s later"),
+        ("STARTMJD=    61274.13548611111", "STARTMJD is 6.0 s later"),
+        ("TOPEN   = '2026-08-22T03:14:58.5'", "TOPEN is 1.5 s earlier"),
+        ("GPS_SUTC= '2026-08-22T03:15:00.050'", ""),
+        ("FRAME_BE= '2026-08-22T03:15:02' / start of exposure", "FRAME_BE is 2.0 s later"),
+        ("SEQSTART= '2026-08-22T03:05:00'", ""),
+        ("ACQSTART= '2026-08-22T03:05:00' / acquisition start", ""),
+        ("HIERARCH ESO OBS START = '2026-08-22T02:55:00' / OB start time", ""),
+        ("STARTLOC= '2026-08-21T20:15:00'", ""),
+        ("ST      = '00:53:23' / start", ""),
+    ] {
+        let found = time(&format!("{at}{card}")).expect(card);
+        assert_eq!(found.start_from, "DATE-OBS", "{card}");
+        let is_stated = found.remarks.len() == 1 && found.remarks[0].contains(words);
+        assert!(if words.is_empty() { found.remarks.is_empty() } else { is_stated }, "{card}: {:?}", found.remarks);
+    }
+    for (cards, utc, from) in [
+        ("OBSSTART= '2026-08-22T03:15:07.100' / shutter open", "2026-08-22T03:15:07.1", "OBSSTART"),
+        ("STARTMJD=    61274.125000", "2026-08-22T03:00:00", "STARTMJD"),
+        ("DATE-OBS= '2026-08-22'\nGPS_SUTC= '2026-08-22T03:15:07.1'", "2026-08-22T03:15:07.1", "GPS_SUTC"),
+    ] {
+        let text = format!("{cards}\n{LENGTH}");
+        begins(&text, utc, from);
+        let remarks = time(&text).expect("a start").remarks;
+        assert!(remarks.len() == 1 && remarks[0].contains("by its name or comment"), "{remarks:?}");
+    }
+    for cards in ["SUNSTART= '2026-08-22T03:05:00'", "OBSSTART= '2026-08-21T20:15:00' / local time"] {
+        assert!(time(&format!("{cards}\n{LENGTH}")).is_err(), "{cards}");
+    }
+}
+
+/// Clocks more than a second from the start are stated on both sides, and agreement within the digits is not.
+#[test]
+fn verif_late_clocks_are_stated() {
+    for (start, card, words) in [
+        ("03:15:00.0", "UT      = '03:15:03.0'", "UT gives one 3.0 s later"),
+        ("03:15:00.0", "UTC     = '03:14:57.0'", "UTC gives one 3.0 s earlier"),
+        ("03:15:00.0", "MJD     =    61274.135451388887", "MJD gives one 3.0 s later"),
+        ("03:15:00.0", "DATE-AVG= '2026-08-22T03:15:33.0'", "DATE-AVG - half of the exposure gives one 3.0 s later"),
+        ("03:15:00.9", "UT      = '03:15:00'", ""),
+        ("03:15:00", "UT      = '03:15:01'", ""),
+        ("03:15:00.0", "JD      =  2461274.63542", ""),
+        // Days equal to DATE are those of the file.
+        ("03:15:00.0", "DATE    = '2026-08-22T03:16:09.5'\nMJD     =   61274.13622106", ""),
+        ("03:15:00.0", "DATE    = '2026-08-22T03:16:09.5'\nJD      = 2461274.63622106", ""),
+    ] {
+        let found = time(&format!("DATE-OBS= '2026-08-22T{start}'\n{card}\n{LENGTH}")).expect(card);
+        let is_stated = found.remarks.len() == 1 && found.remarks[0].contains(words);
+        assert!(if words.is_empty() { found.remarks.is_empty() } else { is_stated }, "{card}: {:?}", found.remarks);
+    }
+}
+
+/// A date is the start if the end agrees with it, although the comment of days with its value states the middle.
+#[test]
+fn verif_ends_decide_whether_a_date_is_the_middle() {
+    let at =
+        "DATE-OBS= '2026-08-22T03:15:00.0'\nMJD-OBS = 61274.135416667 / MJD at middle of exposure\nEXPTIME = 30.0\n";
+    let of_middle = "DATE-OBS - half of the exposure";
+    for (card, utc, from) in [
+        ("DATE-END= '2026-08-22T03:15:30.0'", "2026-08-22T03:15:00", "DATE-OBS"),
+        ("UTEND   = '03:15:30.2'", "2026-08-22T03:15:00", "DATE-OBS"),
+        ("DATE-END= '2026-08-22T03:15:15.0'", "2026-08-22T03:14:45", of_middle),
+        ("", "2026-08-22T03:14:45", of_middle),
+    ] {
+        let text = format!("{at}{card}\n");
+        begins(&text, utc, from);
+        assert_eq!(time(&text).expect("a start").remarks.len(), 1, "{card}");
+    }
+}
+
+/// A date without a time in the header of the image is completed by the same date of the file.
+#[test]
+fn verif_dates_of_two_headers() {
+    let read = |image: &str, primary: &str| {
+        let [image, primary] = [image, primary].map(Header::from_text);
+        ExposureTime::from_headers(&[&image, &primary])
+    };
+    let day = "DATE-OBS= '2026-08-22'\nEXPTIME = 30\n";
+    for (primary, from) in
+        [("DATE-OBS= '2026-08-22T03:15:00.5'", "DATE-OBS"), ("OBS-DATE= '2026-08-22T03:15:00.5' / UTC", "OBS-DATE")]
+    {
+        let found = read(day, primary).expect("a start");
+        let expected: Epoch = "2026-08-22T03:15:00.5 UTC".parse().expect("a moment");
+        assert!(seconds_between(expected, found.start).abs() < 1e-6, "{primary}: {}", found.start);
+        assert_eq!((found.start_from.as_str(), found.remarks.len()), (from, 0), "{primary}: {:?}", found.remarks);
+    }
+    assert!(read(day, "DATE-OBS= '2026-08-23T03:15:00.5'").is_err());
+}
+
+/// The error of the start by its digits or its comment.
+#[test]
+fn verif_errors_of_the_start() {
+    for (card, sigma_s) in [
+        ("DATE-OBS= '2026-08-22T03:15:00'", 12f64.sqrt().recip()),
+        ("DATE-OBS= '2026-08-22T03:15:00.000'", 0.001 / 12f64.sqrt()),
+        ("DATE-OBS= '2026-08-22T03:15:00.000' / +/- 2 s", 2.0),
+        ("MJD-OBS = 61274.13542", 0.432),
+    ] {
+        let found = time(&format!("{card}\n{LENGTH}")).expect(card);
+        assert!((found.start_sigma_s - sigma_s).abs() < 1e-4 * sigma_s.max(0.01), "{card}: {}", found.start_sigma_s);
+    }
 }

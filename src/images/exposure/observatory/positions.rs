@@ -4,8 +4,8 @@ use crate::error::Error;
 use crate::geometry::Site;
 
 use super::super::comment::Comment;
-use super::super::instants::unreadable;
 use super::super::moment::Keywords;
+use super::super::moment::unreadable;
 use super::names::name_of_telescope;
 
 /// Position of the observatory, m, in the International Terrestrial Reference Frame (FITS standard 4.0, section 9.2.3).
