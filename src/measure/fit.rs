@@ -82,6 +82,15 @@ impl BlockFit {
     }
 }
 
+/// Fit of a streak with the assumed form.
+pub struct AssumedForm<'a> {
+    pub amplitude: &'a Amplitude,
+    /// Seeing that was fitted with this form, arcsec.
+    pub seeing_arcsec: f64,
+    /// Increase of the sum of the squared residuals at a distance of one sigma from the best fit.
+    pub squares_of_sigma: f64,
+}
+
 /// Fits amplitude, constant and slope in each block. The template is shifted by `shift` pixels along the minor axis,
 /// and the fit extends to the half width of the blocks on both sides of the shifted line. Masked pixels and pixels
 /// without a value are omitted.

@@ -1,7 +1,7 @@
 //! Effect of the form of the point spread function on the light of a streak.
 
 use super::band::Band;
-use super::fit::{Amplitude, Blocks, combined, fit_blocks};
+use super::fit::{Amplitude, AssumedForm, Blocks, combined, fit_blocks};
 use super::light_errors::error_and_factor;
 use super::measurement::Estimate;
 use super::streak::{Measuring, Shift, profile_of};
@@ -18,15 +18,6 @@ const FORM_WIDTH_TOLERANCE: f64 = 0.02;
 /// Another form than the given one is part of the error of the flux if its sum of squares is smaller by this many
 /// sigmas.
 const FORM_SIGMAS: f64 = 2.0;
-
-/// Fit of a streak with the assumed form.
-pub struct AssumedForm<'a> {
-    pub amplitude: &'a Amplitude,
-    /// Seeing that was fitted with this form, arcsec.
-    pub seeing_arcsec: f64,
-    /// Increase of the sum of the squared residuals at a distance of one sigma from the best fit.
-    pub squares_of_sigma: f64,
-}
 
 impl Measuring<'_> {
     /// Returns the amplitude with the error (one sigma) that the form of the point spread function causes.

@@ -9,7 +9,7 @@ use super::streak::{Measuring, Shift};
 use crate::error::Error;
 
 /// Width of a streak, pixels, below which the steps of the search are too coarse.
-pub(super) const NARROW_PIX: f64 = 1.6;
+const NARROW_PIX: f64 = 1.6;
 /// Half width of the grid at the middle and at the ends of the streak, pixels.
 const GRID_PIX: f64 = 1.0;
 /// Steps of the grid, FWHM.
@@ -18,6 +18,11 @@ const GRID_WIDTHS: f64 = 0.4;
 const LEAST_WIDTH_PIX: f64 = 0.8;
 
 impl Measuring<'_> {
+    /// Returns true for streaks that may be between two steps of the search.
+    pub(super) fn is_narrow(&self) -> bool {
+        self.profile.fwhm_pix() < NARROW_PIX
+    }
+
     /// Returns, for a narrow streak, the shift with the most significant light of a fine grid of offsets and tilts
     /// around `shift`, with stars masked; otherwise `shift`.
     pub(super) fn best_if_narrow(
@@ -27,7 +32,7 @@ impl Measuring<'_> {
         extent: &Extent,
         shift: &Shift,
     ) -> Result<Shift, Error> {
-        if self.profile.fwhm_pix() >= NARROW_PIX {
+        if !self.is_narrow() {
             return Ok(*shift);
         }
         let Some(drawn) = self.drawn(band, shift)? else { return Ok(*shift) };

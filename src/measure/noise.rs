@@ -50,7 +50,6 @@ pub(super) fn background_sigma(
 /// of the fitted background. No other term for the background is added to the error. Stars that would not be masked
 /// under the streak, because they are fainter than the error of its model, are not masked beside it either. This mask
 /// is approximate, because it compares the largest residual near a pixel with the threshold at this pixel.
-#[expect(clippy::too_many_arguments, reason = "parts of one computation")]
 pub(super) fn controls(
     band: &Band,
     rest: &[f32],

@@ -2,11 +2,9 @@
 
 use super::band::Band;
 use super::corridor::Corridor;
-use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
-use super::forms::AssumedForm;
+use super::fit::{Amplitude, AssumedForm, BlockFit, Blocks, combined, fit_blocks};
 use super::hidden_light::{edge_and_hidden_shares, least_usable_beside};
 use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
-use super::narrow::NARROW_PIX;
 use super::noise::{
     CONTROLS_A_SIDE, LEAST_CONTROLS, REFINED_FROM, background_sigma, controls, offset_sigma, without_fit_bias,
 };
@@ -430,7 +428,7 @@ impl Measuring<'_> {
             let assumed = AssumedForm { amplitude: &amplitude, seeing_arcsec: measured_arcsec, squares_of_sigma };
             let forms = self.amplitude_of_forms(&band, &stars.mask, &blocks, &shift, &assumed, options.is_form_known);
             value = forms.value;
-            let accuracy = if self.profile.fwhm_pix() < NARROW_PIX { FIT_ACCURACY } else { 0.0 };
+            let accuracy = if self.is_narrow() { FIT_ACCURACY } else { 0.0 };
             form_sigma = forms.sigma.hypot(accuracy * value);
         } else if !options.is_form_known {
             let (share, factor) = self.unknown_form_share(&band, &stars.mask, &blocks, &shift)?;
