@@ -120,6 +120,8 @@ pub struct Masks {
     pub provenance: Provenance,
     /// Remarks about the site and the planes of the frames.
     pub remarks: Vec<String>,
+    /// Those of the remarks that state a choice between values in headers.
+    pub choices: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
 }
@@ -198,7 +200,7 @@ impl MaskConfig {
         };
         // The warnings of a given sky are not repeated here.
         let mut warnings = if sky.is_some() { Vec::new() } else { shared_sky.warnings.clone() };
-        let mut remarks: Vec<String> = remark.into_iter().collect();
+        let (mut remarks, mut choices): (Vec<String>, Vec<String>) = (remark.into_iter().collect(), Vec::new());
         let batch = |error: Error, done: usize| match done {
             1.. if !outputs.is_empty() => crate::streaks::partly_written(error, done, count),
             _ => error,
@@ -215,6 +217,7 @@ impl MaskConfig {
             let ignored = frame.left_out.iter().map(|(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"));
             warnings.extend(ignored);
             remarks.extend(frame.remarks());
+            choices.extend(frame.choices());
             warnings.extend(mask_warnings(&shown, &frame, &mask, &options));
             warnings.extend(frame_warnings(&prepared.sky, &frame));
             warnings.extend(
@@ -269,7 +272,7 @@ impl MaskConfig {
                 "min_probability": config.min_probability.unwrap_or(MIN_PROBABILITY),
             }),
         );
-        Ok(Masks { frames: done, provenance, remarks, warnings })
+        Ok(Masks { frames: done, provenance, remarks, choices, warnings })
     }
 
     fn check(&self) -> Result<(), Error> {

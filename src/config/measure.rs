@@ -124,6 +124,8 @@ pub struct Measurements {
     pub provenance: Provenance,
     /// Remarks about the site from the header and zero points from stars.
     pub remarks: Vec<String>,
+    /// Those of the remarks that state a choice between values in headers.
+    pub choices: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
 }
@@ -196,7 +198,7 @@ impl MeasureConfig {
             satellite_size_m,
             watch,
         };
-        let (mut passes, mut left_out, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut passes, mut left_out, mut rows, mut choices) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (frame, is_calibrated) in &frames {
             let prepared = match (&of_all, sky) {
                 (None, _) => None,
@@ -211,6 +213,7 @@ impl MeasureConfig {
                     listed.invalid.extend(done.invalid);
                     rows.extend(done.rows);
                     remarks.extend(done.remarks);
+                    choices.extend(done.choices);
                     warnings.extend(done.warnings);
                     passes.extend(done.measured.passes);
                     left_out.extend(done.measured.left_out);
@@ -253,7 +256,17 @@ impl MeasureConfig {
         let viewpoint = of_all.as_ref().and_then(|all| all.sky.viewpoint().site());
         let site = viewpoint.map(|observer| observer.site().clone());
         let table = if self.streaks.is_empty() { measurement_table(&passes) } else { listed_table(&rows) };
-        Ok(Measurements { passes, table, frames: listed.frames, left_out, site, provenance, remarks, warnings })
+        Ok(Measurements {
+            passes,
+            table,
+            frames: listed.frames,
+            left_out,
+            site,
+            provenance,
+            remarks,
+            choices,
+            warnings,
+        })
     }
 
     /// Returns the table of stars, with the colours of `star_colours` if these are given.

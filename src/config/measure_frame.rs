@@ -47,6 +47,8 @@ pub(super) struct FrameResult {
     /// Errors of rows, which are left out.
     pub invalid: Vec<Error>,
     pub remarks: Vec<String>,
+    /// Those of the remarks that state a choice between values in headers.
+    pub choices: Vec<String>,
     pub warnings: Vec<String>,
 }
 
@@ -108,7 +110,8 @@ impl FrameRun<'_> {
             let chip = format!("{shown}: HDU {hdu}");
             state_stars(&chip, from_stars, &optics, is_seeing_known, &mut remarks, &mut warnings);
         }
-        remarks.extend(frame.header_remarks.iter().map(|remark| format!("{shown}: {remark}")));
+        let choices = frame.choices();
+        remarks.extend(choices.iter().cloned());
         remarks.extend(measured.remarks.iter().map(|remark| format!("{shown}: {remark}")));
         if let Some(summary) = frame.images.summary() {
             let used = match &measured.planes_used[..] {
@@ -125,7 +128,7 @@ impl FrameRun<'_> {
                 measured.passes.len()
             ));
         }
-        Ok(FrameResult { measured, rows, invalid, remarks, warnings })
+        Ok(FrameResult { measured, rows, invalid, remarks, choices, warnings })
     }
 }
 

@@ -38,7 +38,7 @@ fn verif_added_light_equals_the_truth_and_other_data_are_kept() {
         &["--seeing", "2.5arcsec"],
     ]);
     assert_eq!(fs::read(&plain).unwrap(), before, "the input is not touched");
-    assert_eq!(names(&output), ["", "MASK", "STREAKS", "STREAK_POINTS"]);
+    assert_eq!(names(&output), ["", "STREAKMASK", "STREAKS", "STREAK_POINTS"]);
 
     let rows = records(&fs::read_to_string(&truth).unwrap());
     let counts: f64 = numbers(&rows, "counts").iter().sum();

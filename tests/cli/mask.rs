@@ -117,7 +117,7 @@ fn verif_a_bit_is_added_to_the_mask_plane_and_other_bits_are_kept() {
     done(&[&["mask", &frame, "-o", &mask, "--quiet"], SEEING, SATELLITES]);
     let masked = values(&mask, 0);
     for (into, bit, number) in
-        [("1", "SATELLITE", 2), ("mask", "mp_satellite", 2), ("MASK", "STREAK", 0), ("1", "6", 6)]
+        [("1", "SATELLITE", 2), ("streakmask", "mp_satellite", 2), ("STREAKMASK", "STREAK", 0), ("1", "6", 6)]
     {
         done(&[&["mask", &frame, "-o", &copy, "--into", into, "--bit", bit, "--quiet"], SEEING, SATELLITES]);
         let (old, new) = (values(&frame, 1), values(&copy, 1));
@@ -333,7 +333,7 @@ fn verif_measured_streaks_that_are_not_used_leave_the_prediction() {
     let [table, measured, mask, output, polygons] =
         ["table.csv", "measured.csv", "mask.fits", "output.fits", "mask.json"].map(|name| path(&folder, name));
     let (_, _, stderr) = run(&[&["measure", &frame, "-o", &table], SEEING, SATELLITES]);
-    assert!(stderr.contains("HDU 1 (MASK): 0 bad pixels (no MP_ plane of bad pixels)"), "{stderr}");
+    assert!(stderr.contains("companion planes, no frames: HDU 1 (STREAKMASK); no plane is used"), "{stderr}");
     done(&[&["mask", &frame, "-o", &mask, "--quiet"], SEEING, SATELLITES]);
     let good = fs::read_to_string(&table).unwrap();
     let tomorrow = |time: &str| time.replace("2026-08-14", "2026-08-15");

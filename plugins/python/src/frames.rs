@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use streakcast::images::{FrameFile, Header, ImageValues, NewImage, Pixels};
+use streakcast::images::{FrameFile, Header, ImageValues, NewImage, PixelPosition, Pixels, Wcs};
 
 use crate::failure;
 
@@ -56,6 +56,21 @@ pub fn read_rows<'py>(
         other => return Err(PyValueError::new_err(format!("dtype is {other}; allowed: that of a frame"))),
     };
     Ok(Some(image))
+}
+
+/// Returns right ascension and declination (degrees) of pixels (column and row from 0) by the cards of a header, NaN
+/// for pixels without a position, and the pixel scale (arcsec) at the first of them; `None` if the header has no valid
+/// world coordinates.
+#[pyfunction]
+pub fn sky_of_pixels(cards: &str, pixels: Vec<[f64; 2]>) -> Option<(Vec<[f64; 2]>, f64)> {
+    let wcs = Wcs::from_header(&Header::from_text(cards)).ok()?;
+    let pixels: Vec<PixelPosition> = pixels.into_iter().map(|[x, y]| PixelPosition { x, y }).collect();
+    let scale_arcsec = wcs.pixel_scale_arcsec(*pixels.first()?);
+    let of_pixel = |at: &PixelPosition| {
+        let seen = wcs.to_sky(*at);
+        seen.map_or([f64::NAN; 2], |seen| [seen.longitude_rad().to_degrees(), seen.latitude_rad().to_degrees()])
+    };
+    Some((pixels.iter().map(of_pixel).collect(), scale_arcsec))
 }
 
 fn array<'py, T: Element>(

@@ -35,7 +35,7 @@ pub fn inject<'py>(
 
 fn result_of<'py>(py: Python<'py>, injections: &Injections) -> PyResult<Bound<'py, PyDict>> {
     let result = PyDict::new(py);
-    let mut warnings = failure::all_as_arguments(&injections.warnings);
+    let mut warnings = failure::all_as_arguments(injections.choices.iter().chain(&injections.warnings));
     for frame in &injections.frames {
         result.set_item("summary", &frame.summary)?;
         result.set_item("truth", columns(py, &frame.truth)?)?;

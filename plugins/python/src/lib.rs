@@ -44,6 +44,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(frames::read_rows, module)?)?;
     #[cfg(unix)]
+    module.add_function(wrap_pyfunction!(frames::sky_of_pixels, module)?)?;
+    #[cfg(unix)]
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(mask::mask, module)?)?;

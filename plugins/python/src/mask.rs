@@ -39,6 +39,6 @@ pub fn mask<'py>(
     result.set_item("streaks", columns(py, &done.corridors())?)?;
     result.set_item("left_out", columns(py, &done.left_out())?)?;
     result.set_item("remarks", failure::all_as_arguments(&done.remarks))?;
-    result.set_item("warnings", failure::all_as_arguments(&done.warnings))?;
+    result.set_item("warnings", failure::all_as_arguments(done.choices.iter().chain(&done.warnings)))?;
     Ok(result)
 }

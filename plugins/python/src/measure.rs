@@ -29,7 +29,7 @@ pub fn measure<'py>(
     })?;
     let result = PyDict::new(py);
     result.set_item("measurements", columns(py, &done.table)?)?;
-    result.set_item("warnings", failure::all_as_arguments(&done.warnings))?;
+    result.set_item("warnings", failure::all_as_arguments(done.choices.iter().chain(&done.warnings)))?;
     result.set_item("remarks", failure::all_as_arguments(&done.remarks))?;
     Ok(result)
 }

@@ -13,13 +13,15 @@ fits = pytest.importorskip("astropy.io.fits")
 from astropy import units as u  # noqa: E402
 from astropy.nddata import (  # noqa: E402
     CCDData,
+    Cutout2D,
     InverseVariance,
     NDData,
+    NDDataRef,
     StdDevUncertainty,
     UnknownUncertainty,
     VarianceUncertainty,
 )
-from astropy.wcs import WCS, DistortionLookupTable  # noqa: E402
+from astropy.wcs import WCS, DistortionLookupTable, Sip  # noqa: E402
 from astropy.wcs.wcsapi import SlicedLowLevelWCS  # noqa: E402
 
 from conftest import START  # noqa: E402
@@ -108,7 +110,7 @@ def test_an_hdu_list_is_injected_as_its_file(tmp_path):
     assert isinstance(done.frame, fits.HDUList) and done.path is None and done.image is None
     assert written.frame == tmp_path / "out.fits"
     with fits.open(tmp_path / "out.fits") as file:
-        assert [hdu.name for hdu in done.frame] == [hdu.name for hdu in file] == ["PRIMARY", "SCI", "ERR", "MASK", "STREAKS", "STREAK_POINTS"]
+        assert [hdu.name for hdu in done.frame] == [hdu.name for hdu in file] == ["PRIMARY", "SCI", "ERR", "STREAKMASK", "STREAKS", "STREAK_POINTS"]
         for one, other in zip(done.frame, file):
             assert (one.data is None and other.data is None) or one.data.tobytes() == other.data.tobytes()
         assert "streakcast-" not in str(done.frame["SCI"].header)
@@ -250,7 +252,8 @@ def test_invalid_frames_are_named(model):
         (ValueError, ccd(), {"header": header()}, "header is given for a CCDData, which contains it; allowed: with an array"),
         (ValueError, fits.HDUList([fits.PrimaryHDU(image, header())]), {"header": header()}, "header is given for an HDUList"),
         (ValueError, ccd(wcs=None), {}, "^frame: HDU 0: no celestial coordinates"),
-        (TypeError, NDData(image, wcs=SlicedLowLevelWCS(WCS(header()), np.s_[:, :])), {}, "wcs of the frame is .*; allowed: an astropy.wcs.WCS"),
+        (TypeError, NDData(image, wcs=SlicedLowLevelWCS(WCS(naxis=3), 0)), {}, "wcs of the frame is .*; allowed: an astropy.wcs.WCS"),
+        (TypeError, Cutout2D(image, (50, 50), 20, wcs=WCS(header())), {}, "frame is a Cutout2D, which has no header; allowed: its data, with"),
         (ValueError, ccd(wcs=table_wcs), {}, "lookup tables of distortion"),
         (ValueError, raw, {}, "do_not_scale_image_data"),
         (TypeError, ccd(image.astype("complex64")), {}, "allowed: two axes of float32, float64, or integers within the range of int32"),
@@ -366,3 +369,117 @@ def test_streaks_whose_names_begin_with_a_hash_are_kept(form):
     streaks = {"columns": columns, "rows": rows, "table": QTable(columns)}[form]
     done = streakcast.inject(pixels("float32"), header=header(), streaks=streaks, seeing="1arcmin")
     assert [str(name) for name in done.truth["name"]] == ["#a", "b"]
+
+
+@pytest.mark.parametrize("level", [4.0, 16.0])
+def test_compressed_images_that_were_read_keep_their_pixels(tmp_path, level):
+    compressed = fits.CompImageHDU(pixels("float32"), header(), name="SCI", quantize_level=level)
+    fits.HDUList([fits.PrimaryHDU(), compressed]).writeto(tmp_path / "frame.fits")
+    with fits.open(tmp_path / "frame.fits") as file:
+        # Once it is read, astropy compresses the image anew when it writes the list.
+        before = np.array(file[1].data)
+        done = streakcast.inject(file, **STREAKS).frame
+        np.testing.assert_array_equal(file[1].data, before)
+    assert type(done[1]) is fits.CompImageHDU and done[1].name == "SCI" and done[1].quantize_level == level
+    is_lit = done["STREAKMASK"].data != 0
+    assert is_lit.any() and not is_lit.all()
+    # The mask omits only light below 10⁻⁴ of the brightest pixel.
+    assert np.abs(done[1].data - before)[~is_lit].max() < 1e-3 * np.abs(done[1].data - before).max()
+    # Two lists with the same values give the same frame.
+    plain = fits.HDUList([fits.PrimaryHDU(), fits.ImageHDU(before, header(), name="SCI")])
+    np.testing.assert_array_equal(streakcast.inject(plain, **STREAKS).frame[1].data, done[1].data)
+
+
+def test_injected_files_have_no_mask_of_bad_pixels(tmp_path):
+    fits.PrimaryHDU(pixels("float32"), header()).writeto(tmp_path / "frame.fits")
+    streakcast.inject(tmp_path / "frame.fits", tmp_path / "injected.fits", **STREAKS)
+    streaks = tmp_path / "injected.fits"
+    given = CCDData.read(streaks, unit="adu")
+    assert given.mask is None
+    truth = streakcast.inject(pixels("float32"), header=header(), **STREAKS).truth
+    rows = [{name: truth[name][0].value for name in ("x1_pix", "y1_pix", "x2_pix", "y2_pix")}]
+    found = [streakcast.measure_streaks(one, rows, seeing="1arcmin").table for one in (given, streaks)]
+    assert found[0]["detected"][0] and list(found[0]["flags"][0]) == list(found[1]["flags"][0])
+    np.testing.assert_allclose(found[0]["magnitude"].value, found[1]["magnitude"].value, atol=1e-3)
+
+
+def scamp_of_degree_1():
+    cards = header()
+    # astropy rejects these keywords beside LATPOLE, and closer to the equator.
+    del cards["LATPOLE"], cards["LONPOLE"]
+    cards["CRVAL2"] = 40.0
+    cards.update({f"PV{axis}_{term}": float(term == 1) for axis in (1, 2) for term in (0, 1, 2)})
+    return WCS(cards)
+
+
+def sip_with_another_reference():
+    wcs, terms = WCS(header()), np.zeros((3, 3))
+    terms[2, 0] = 1e-3
+    wcs.sip = Sip(terms, terms, None, None, wcs.wcs.crpix + 40.0)
+    return wcs
+
+
+@pytest.mark.parametrize("wcs", [scamp_of_degree_1, sip_with_another_reference])
+def test_world_coordinates_that_are_read_otherwise_are_an_error(wcs):
+    message = r"frame: pixel .* by pixel_to_world of the WCS object, but at .* deg by its keywords .*; allowed: a path"
+    with pytest.raises(ValueError, match=message):
+        streakcast.inject(ccd(wcs=wcs()), **STREAKS)
+    with pytest.raises(ValueError, match=message):
+        streakcast.inject(pixels("float32"), header=wcs(), start=START, exposure=30, zero_point=25, gain=2, **STREAKS)
+
+
+def test_slices_and_dictionaries_are_read():
+    image, cut = pixels("float32"), np.s_[5:, 10:300]
+    meta = dict(header_of_image())
+    streak = [dict(x1_pix=5, y1_pix=8, x2_pix=35, y2_pix=80, magnitude=5)]
+    # A slice of a slice.
+    sliced = NDDataRef(image, wcs=WCS(header()), meta=meta)[5:, 4:][:, 6:296]
+    done = streakcast.inject(sliced, streaks=streak, seeing="1arcmin")
+    assert type(done.frame) is NDDataRef and done.image.shape == image[cut].shape
+    own = sliced.wcs.pixel_to_world(*(np.array([done.truth[f"{axis}1_pix"].value for axis in "xy"]) - 1.0))
+    np.testing.assert_allclose(own.ra.deg, done.truth["ra1_deg"].value, atol=1e-6)
+    of_dict = streakcast.inject(image, header=dict(header()), **STREAKS)
+    np.testing.assert_array_equal(of_dict.image, streakcast.inject(image, header=header(), **STREAKS).image)
+
+
+def test_one_uncertainty_of_all_pixels_is_read():
+    same = streakcast.inject(ccd(uncertainty=StdDevUncertainty(np.full((SIZE, SIZE), 20.0))), **STREAKS).frame
+    one = streakcast.inject(ccd(uncertainty=StdDevUncertainty(20.0)), **STREAKS).frame
+    np.testing.assert_allclose(one.uncertainty.array, same.uncertainty.array, rtol=1e-6)
+    assert one.uncertainty.array.shape == (SIZE, SIZE)
+
+
+def test_lost_comments_of_the_exposure_are_stated():
+    def given(**keywords):
+        cards = header()
+        for keyword, value in keywords.items():
+            cards.remove({"XPOSURE": "EXPTIME", "DATE_BEG": "DATE-OBS"}[keyword])
+            cards[keyword.replace("_", "-")] = value
+        meta = header_of_image()
+        meta.remove("EXPTIME" if "XPOSURE" in keywords else "DATE-OBS")
+        return ccd(wcs=WCS(cards), meta=meta)
+
+    for frame, words in (
+        (given(XPOSURE=30.0), "frame: the length of the exposure is that of XPOSURE in the WCS object"),
+        (given(DATE_BEG=START.rstrip("Z")), "frame: the start of the exposure is that of DATE-BEG"),
+    ):
+        for done in (streakcast.inject(frame, **STREAKS), streakcast.measure_streaks(frame, [dict(x1_pix=5, y1_pix=8, x2_pix=35, y2_pix=80)])):
+            assert any(remark.startswith(words) and "does not keep the comments" in remark for remark in done.remarks)
+    assert not any("comments" in remark for remark in streakcast.inject(ccd(), **STREAKS).remarks)
+    with pytest.raises(ValueError, match=r"XPOSURE is 0.000347 s in the WCS object, .* allowed: 0.001 s or longer"):
+        streakcast.inject(given(XPOSURE=0.000347), **STREAKS)
+
+
+def test_choices_between_values_of_headers_are_warnings():
+    cards = header()
+    cards["TIMEOFFS"], cards["NEXP"] = 5.0, 30
+    streak = [dict(x1_pix=5, y1_pix=8, x2_pix=35, y2_pix=80)]
+    hdus = fits.HDUList([fits.PrimaryHDU(pixels("float32"), cards), fits.ImageHDU(pixels("float32"), name="VAR")])
+    for call in (lambda: streakcast.inject(hdus, **STREAKS), lambda: streakcast.measure_streaks(hdus, streak)):
+        with pytest.warns(streakcast.StreakcastWarning) as caught:
+            done = call()
+        messages = [str(one.message) for one in caught]
+        for words in ("TIMEOFFS", "NEXP is 30"):
+            assert any(words in message for message in messages) and any(words in remark for remark in done.remarks)
+        # The roles of images are remarks.
+        assert any("companion planes" in remark for remark in done.remarks) and not any("companion" in message for message in messages)

@@ -73,8 +73,8 @@ def test_verif_arrays_and_files_equal_the_command_line_to_the_last_bit(injector,
         expected = written[0].data
         assert done.image.dtype == np.dtype(dtype) and done.image.shape == frame.shape
         np.testing.assert_array_equal(done.image, expected)
-        np.testing.assert_array_equal(done.mask, written["MASK"].data)
-        assert done.mask_planes == {"STREAK": written["MASK"].header["MP_STREAK"], "INJECTED": written["MASK"].header["MP_INJECTED"]}
+        np.testing.assert_array_equal(done.mask, written["STREAKMASK"].data)
+        assert done.mask_planes == {"STREAK": written["STREAKMASK"].header["MP_STREAK"], "INJECTED": written["STREAKMASK"].header["MP_INJECTED"]}
         assert len(done.truth) == len(written["STREAKS"].data) > 0
         assert len(done.points) == len(written["STREAK_POINTS"].data)
         np.testing.assert_array_equal(done.truth["norad_id"], written["STREAKS"].data["norad_id"])

@@ -146,6 +146,33 @@ def test_pixels_without_information_are_not_measured(frame, model):
     assert f"(VARIANCE): {some.sum()} bad pixels" in remarks(uncertainty=StdDevUncertainty(np.where(some, np.inf, 1.0)))
 
 
+def test_uncertainties_of_written_files_are_those_of_the_object(frame, tmp_path):
+    """Planes whose noise exceeds the scatter of the sky raise the errors, so that their kind matters."""
+    fits = pytest.importorskip("astropy.io.fits")
+    from astropy.nddata import CCDData, InverseVariance, StdDevUncertainty, VarianceUncertainty
+    from astropy.wcs import WCS
+
+    path, truth = frame
+    with fits.open(path) as hdus:
+        hdu = next(one for one in hdus if one.data is not None)
+        header, data = hdu.header.copy(), np.array(hdu.data, dtype="float32")
+    rows, written = streak_rows(truth)[:1], tmp_path / "written.fits"
+    sky = data[:40, :40]
+    sigma = 1.1 * float(1.4826 * np.median(np.abs(sky - np.median(sky))))
+    errors = {}
+    for kind, value in ((None, 0.0), (StdDevUncertainty, sigma), (VarianceUncertainty, sigma**2), (InverseVariance, sigma**-2)):
+        uncertainty = None if kind is None else kind(np.full(data.shape, value, dtype="float32"))
+        given = CCDData(data, unit="adu", wcs=WCS(header), header=header.copy(), uncertainty=uncertainty)
+        given.write(written, overwrite=True)
+        assert kind is None or fits.getheader(written, "UNCERT")["UTYPE"] == kind.__name__
+        done = [streakcast.measure_streaks(one, rows, seeing="90arcsec") for one in (given, written)]
+        of_object, of_file = (float(one.table["magnitude_sigma"][0].value) for one in done)
+        assert of_file == pytest.approx(of_object, rel=1e-3), kind
+        assert kind is None or any("its noise is a lower limit of the errors" in remark for remark in done[1].remarks), done[1].remarks
+        errors[kind] = of_file
+    assert np.ptp([errors[kind] for kind in errors if kind is not None]) < 1e-3 * errors[None]
+
+
 def streak_rows(truth):
     names = ("x1_pix", "y1_pix", "x2_pix", "y2_pix")
     return [{"id": row["name"], **{name: float(row[name]) for name in names}} for row in truth if row["x1_pix"]]

@@ -67,6 +67,7 @@ const KINDS: &[(&str, PlaneKind)] = &[
     ("QUALITY", PlaneKind::Mask),
     ("FLAG", PlaneKind::Mask),
     ("FLAGS", PlaneKind::Mask),
+    ("FLG", PlaneKind::Mask),
     ("VAR", PlaneKind::Variance),
     ("VARIANCE", PlaneKind::Variance),
     ("IVAR", PlaneKind::InverseVariance),
@@ -80,6 +81,7 @@ const KINDS: &[(&str, PlaneKind)] = &[
     ("UNCERTAINTY", PlaneKind::Error),
     ("SIGMA", PlaneKind::Error),
     ("STDDEV", PlaneKind::Error),
+    ("NOISE", PlaneKind::Error),
     ("RMS", PlaneKind::Error),
     ("WEIGHT", PlaneKind::Weight),
     ("WEIGHTS", PlaneKind::Weight),
@@ -181,7 +183,7 @@ impl FrameImages {
             let image = Image::from_hdu(file, hdu)?;
             if DISTORTION_TABLES.iter().any(|table| image.name.starts_with(table)) {
                 found.tables.push(hdu);
-            } else if let Some(kind) = kind_of(&image.name).or(image.class.as_ref().map(|(kind, _)| *kind)) {
+            } else if let Some(kind) = image.kind() {
                 planes.push((image, kind));
             } else {
                 match frames.iter().position(|frame| image.has_pixels_of(frame) || image.overlaps(frame)) {
@@ -290,6 +292,8 @@ struct Image {
     name: String,
     /// Content that HDUCLAS2 and HDUCLAS3 (ESO's standard of data products) or keywords of archives state, and the card.
     class: Option<(PlaneKind, String)>,
+    /// Form of an uncertainty that UTYPE, HDUCLAS3 or BUNIT states.
+    form: Option<PlaneKind>,
     size: [usize; 2],
     version: Option<i64>,
     /// DATE-OBS, without zeros at the end of its seconds, and MJD-OBS.
@@ -321,6 +325,7 @@ impl Image {
         Ok(Self {
             hdu,
             name: if is_by_type { of_type } else { name },
+            form: form_of_uncertainty(header),
             class: kind_of_class(header).or_else(|| kind_of_product(&[header, file.header(0).ok()?])),
             size: file.image_size(hdu)?,
             date: header.text("DATE-OBS").map(|date| match date.split_once('.') {
@@ -334,6 +339,17 @@ impl Image {
             sky: sky.ok(),
             invalid_sky,
         })
+    }
+
+    /// Returns the content that the name states, or else keywords; `None` for an image that may be a frame. Names such
+    /// as UNCERT and ERR state an uncertainty, and keywords its form.
+    fn kind(&self) -> Option<PlaneKind> {
+        match kind_of(&self.name) {
+            Some(PlaneKind::Error | PlaneKind::Variance | PlaneKind::InverseVariance) if self.form.is_some() => {
+                self.form
+            }
+            kind => kind.or(self.class.as_ref().map(|(kind, _)| *kind)),
+        }
     }
 
     fn has_sky(&self) -> bool {
@@ -481,10 +497,11 @@ fn is_map(name: &str) -> bool {
 fn kind_of(name: &str) -> Option<PlaneKind> {
     let words: Vec<&str> = words_of(name).collect();
     let kinds = words.iter().filter_map(|word| KINDS.iter().find(|(known, _)| known == word));
+    let is_of_frame = |word: &&&str| SCIENCE.contains(*word) || CHIPS.contains(*word) || word.len() == 1;
     match kinds.map(|(_, kind)| *kind).next() {
-        // A part of a variance, such as VAR_POISSON, is not the variance.
+        // A part of a variance, such as VAR_POISSON, is not the variance; that of a chip, such as DET11.RMS, is.
         Some(PlaneKind::Mask) => Some(PlaneKind::Mask),
-        Some(kind) if words.len() == 1 => Some(kind),
+        Some(kind) if words.len() == 1 + words.iter().filter(is_of_frame).count() => Some(kind),
         Some(_) => Some(PlaneKind::Other),
         None => PARTS.iter().any(|part| name.contains(part)).then_some(PlaneKind::Other),
     }
@@ -502,6 +519,28 @@ fn kind_of_class(header: &Header) -> Option<(PlaneKind, String)> {
         _ => return None,
     };
     Some((kind, format!("HDUCLAS2 = '{class}'")))
+}
+
+/// Returns the form of an uncertainty that keywords state: UTYPE of astropy's `CCDData`, HDUCLAS3, or BUNIT with the
+/// power of one unit, such as `adu2`, `electron**2` or `adu-2`.
+fn form_of_uncertainty(header: &Header) -> Option<PlaneKind> {
+    let [of_astropy, class, unit] =
+        ["UTYPE", "HDUCLAS3", "BUNIT"].map(|keyword| header.text(keyword).unwrap_or_default().to_ascii_uppercase());
+    match (of_astropy.trim(), class.trim()) {
+        ("STDDEVUNCERTAINTY", _) | ("", "RMSE") => return Some(PlaneKind::Error),
+        ("VARIANCEUNCERTAINTY", _) | ("", "MSE") => return Some(PlaneKind::Variance),
+        ("INVERSEVARIANCE", _) | ("", "INVMSE") => return Some(PlaneKind::InverseVariance),
+        ("UNKNOWNUNCERTAINTY", _) => return Some(PlaneKind::Other),
+        _ => {}
+    }
+    // Units of a standard deviation with several names may end in a power, as "erg/s/cm2".
+    let power = unit.trim().trim_start_matches(|c: char| c.is_ascii_alphabetic());
+    let is_one_unit = power.len() < unit.trim().len();
+    match power.trim_start_matches(['*', '^', ' ']).trim_matches(['(', ')']) {
+        "2" if is_one_unit => Some(PlaneKind::Variance),
+        "-2" if is_one_unit => Some(PlaneKind::InverseVariance),
+        _ => None,
+    }
 }
 
 /// Returns the content that keywords of archives state for all images of a file, with the card: PRODTYPE (NOIRLab),
@@ -559,6 +598,10 @@ mod tests {
             ("VAR_POISSON", Some(PlaneKind::Other)),
             ("INVVAR", Some(PlaneKind::InverseVariance)),
             ("UNCERT", Some(PlaneKind::Error)),
+            ("DATA_ERR", Some(PlaneKind::Error)),
+            ("ERROR.CHIP1", Some(PlaneKind::Error)),
+            ("3-4.F.RMS", Some(PlaneKind::Error)),
+            ("REF_ERR", Some(PlaneKind::Other)),
             ("CHIPMASK", Some(PlaneKind::Other)),
             ("WHT", Some(PlaneKind::Weight)),
             ("S28", None),
@@ -568,5 +611,25 @@ mod tests {
             assert_eq!(kind_of(name), kind, "{name}");
         }
         assert_eq!((stem("SCI_2"), stem("SCI,2"), stem("IM1"), stem("S28")), ("SCI", "SCI", "IM", "S"));
+    }
+
+    #[test]
+    fn forms_of_uncertainties() {
+        for (cards, form) in [
+            ("UTYPE   = 'VarianceUncertainty'\n", Some(PlaneKind::Variance)),
+            ("UTYPE   = 'InverseVariance'\nBUNIT   = 'adu'\n", Some(PlaneKind::InverseVariance)),
+            ("UTYPE   = 'StdDevUncertainty'\nBUNIT   = 'adu2'\n", Some(PlaneKind::Error)),
+            ("UTYPE   = 'UnknownUncertainty'\n", Some(PlaneKind::Other)),
+            ("HDUCLAS3= 'MSE'\n", Some(PlaneKind::Variance)),
+            ("BUNIT   = 'adu2'\n", Some(PlaneKind::Variance)),
+            ("BUNIT   = 'electron**2'\n", Some(PlaneKind::Variance)),
+            ("BUNIT   = 'adu^-2'\n", Some(PlaneKind::InverseVariance)),
+            ("BUNIT   = 'adu**(-2)'\n", Some(PlaneKind::InverseVariance)),
+            ("BUNIT   = 'erg/s/cm2'\n", None),
+            ("BUNIT   = 'adu'\n", None),
+            ("", None),
+        ] {
+            assert_eq!(form_of_uncertainty(&Header::from_text(cards)), form, "{cards}");
+        }
     }
 }

@@ -147,15 +147,17 @@ impl TargetFrame {
         unused_coordinates(&[self.file.header(first).ok()?, self.file.header(0).ok()?])
     }
 
-    /// Returns remarks about what is read of the file: times that can be read in two ways, and the roles of its images.
+    /// Returns remarks about what is read of the file: choices between values in its headers, and the roles of its
+    /// images.
     pub fn remarks(&self) -> Vec<String> {
+        let roles = self.images.summary().map(|summary| format!("{}: {summary}", self.file.path().display()));
+        self.choices().into_iter().chain(roles).collect()
+    }
+
+    /// Returns remarks about values in the headers that can be read in two ways: start, exposure time and zero point.
+    pub fn choices(&self) -> Vec<String> {
         let shown = self.file.path().display();
-        self.header_remarks
-            .iter()
-            .cloned()
-            .chain(self.images.summary())
-            .map(|text| format!("{shown}: {text}"))
-            .collect()
+        self.header_remarks.iter().map(|remark| format!("{shown}: {remark}")).collect()
     }
 
     /// Returns the middle of all chips on the sky, and the radius in radians of the circle around it that contains

@@ -55,8 +55,9 @@ pub struct Injected {
 ///
 /// If a chip has a variance plane ([`TargetChip::variance_hdu`]) and noise was added, the variance of the light is
 /// added to that plane. If requested, a mask for each chip with streaks and the tables `STREAKS` and `STREAK_POINTS`
-/// are appended after the HDUs of the frame, with the first EXTVER that is free in it. A mask is named `MASK`, or
-/// `MASK_<chip>` if there are several chips or `MASK` exists. Chips without streaks are not changed. The streaks come
+/// are appended after the HDUs of the frame, with the first EXTVER that is free in it. A mask is named
+/// `STREAKMASK`, or `STREAKMASK_<chip>` if there are several chips: `MASK` is the name of bad pixels, as which other
+/// programs read it. Chips without streaks are not changed. The streaks come
 /// from [`crate::streaks::draw_on_chip`], in any order.
 ///
 /// # Errors
@@ -324,32 +325,30 @@ fn append_masks(
     planes: &MaskPlanes,
     taken: &mut Vec<(String, i64)>,
 ) -> Result<(), Error> {
-    let has_mask = frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case("MASK"));
-    let is_one = frame.chips.len() == 1 && !has_mask;
     for (target, image) in masks {
         let card =
             |keyword: &str, value: i64, comment: &str| Card::with_value(keyword, &CardValue::Integer(value), comment);
         let mut cards = card("MP_STREAK", i64::from(planes.streak_bit), "bit: streak above the noise");
         cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: injected light"));
-        let (name, more) = mask_name(frame, target, is_one, taken)?;
+        let (name, more) = mask_name("STREAKMASK", frame, target, taken)?;
         cards.extend(more);
         copy.append_image(&name, image, &cards, None);
     }
     Ok(())
 }
 
-/// Returns the name of the mask of a chip, and the cards that state its version and its chip. The name is `MASK` if it
-/// is the only one, otherwise it contains that of the chip. HDUs with the same name have different versions; `taken`
+/// Returns the name of the mask of a chip, and the cards that state its version and its chip. The name contains that of
+/// the chip if the frame has several. HDUs with the same name have different versions; `taken`
 /// holds those of the other HDUs of the file.
 pub(in crate::streaks) fn mask_name(
+    name: &str,
     frame: &TargetFrame,
     target: &TargetChip,
-    is_one: bool,
     taken: &mut Vec<(String, i64)>,
 ) -> Result<(String, Vec<Card>), Error> {
     let hdu = target.chip.hdu;
     let chip = if target.chip.name.is_empty() { hdu.to_string() } else { target.chip.name.clone() };
-    let name = if is_one { "MASK".to_owned() } else { format!("MASK_{chip}") };
+    let name = if frame.chips.len() == 1 { name.to_owned() } else { format!("{name}_{chip}") };
     let own = frame.file.header(hdu)?.integer("EXTVER");
     let version = free_version(taken, &[&name], own);
     // The version of a name is 1 without EXTVER.

@@ -69,6 +69,8 @@ pub struct Injections {
     pub frames: Vec<InjectedFrame>,
     /// Remarks about values taken from headers.
     pub remarks: Vec<String>,
+    /// Those of the remarks that state a choice between values in headers ([`TargetFrame::choices`]).
+    pub choices: Vec<String>,
     /// Warnings about all frames.
     pub warnings: Vec<String>,
     /// Files of labels that were written.
@@ -186,6 +188,7 @@ impl<'a> Injection<'a> {
                 .flat_map(|chosen| chosen.remarks.clone())
                 .chain(known.iter().flat_map(|frame| frame.remarks().into_iter().chain(overscan(frame))))
                 .collect(),
+            choices: known.iter().flat_map(TargetFrame::choices).collect(),
             warnings,
             labels,
             provenance,

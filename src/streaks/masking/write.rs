@@ -70,7 +70,7 @@ pub fn write_mask_file(frame: &TargetFrame, mask: &FrameMask, history: &[String]
     let mut taken = Vec::new();
     let mut images = Vec::new();
     for (index, target) in frame.chips.iter().enumerate() {
-        let (name, more) = mask_name(frame, target, frame.chips.len() == 1, &mut taken)?;
+        let (name, more) = mask_name("MASK", frame, target, &mut taken)?;
         let mut cards: Vec<Card> = coordinates(frame.file.header(target.chip.hdu)?);
         cards.extend(Card::with_value("MP_STREAK", &CardValue::Integer(0), "bit: streak of a satellite"));
         cards.extend(more);

@@ -35,6 +35,16 @@ _COORDINATES = re.compile(
     r"WCSAXES|(CTYPE|CRVAL|CRPIX|CDELT|CUNIT|CROTA)\d+|(CD|PC|PV)\d+_\d+|LONPOLE|LATPOLE|RADE?C?SYS|EQUINOX"
     r"|[AB]P?_(ORDER|DMAX|\d+_\d+)"
 )
+#: Keywords of times that astropy moves from a header to the `WCS`, without their comments: which of them count, and
+#: those whose place they take.
+_START = re.compile(r"(DATE|MJD)-(BEG|AVG|END)")
+_LENGTH = re.compile(r"XPOSURE|TELAPSE")
+_OTHER_START = re.compile(r"(DATE|MJD|JD|TIME|UT|UTC)-(OBS|BEG|STA\w*)|UTC?START|EXPSTART")
+_OTHER_LENGTH = re.compile(r"EXP-?TIME|EXPOSURE|ITIME|ELAPTIME|SHUTTIME")
+#: Shortest exposure whose unit need not be known, seconds.
+_SHORTEST_S = 1e-3
+#: Largest distance between the position of a pixel and that of its `WCS`: pixels and arcsec.
+_SAME_PLACE = (0.5, 0.1)
 #: Card of a mask whose values other than 0 mark bad pixels, however many they are.
 _EXPLICIT = "BADPIX  =                    T"
 #: Integers that files of frames have.
@@ -54,7 +64,7 @@ def is_hdu_list(frame: object) -> bool:
 
 def frames_of(frames: FrameLike | Sequence[FrameLike]) -> list[FrameLike]:
     """Returns one frame of any form, or several, as a list."""
-    is_one = is_path(frames) or is_hdu_list(frames) or _is_hdu(frames) or _is_nddata(frames) or hasattr(frames, "__array__")
+    is_one = is_path(frames) or is_hdu_list(frames) or _is_hdu(frames) or _is_nddata(frames) or hasattr(frames, "shape")
     return [cast("FrameLike", frames)] if is_one else list(cast("Sequence[FrameLike]", frames))
 
 
@@ -81,6 +91,8 @@ class Image:
     variance: Pixels | None = None
     #: Type of the given integers, if the pixels are a copy of them as ``int32``.
     integers: np.dtype[Any] | None = None
+    #: Remarks about the header.
+    remarks: tuple[str, ...] = ()
 
     def planes(self) -> list[tuple[str, Pixels, str]]:
         """Returns name, pixels and header of the image and of its companion planes, as in the files of Rubin."""
@@ -95,7 +107,7 @@ class Image:
 
     def errors(self) -> npt.NDArray[Any] | None:
         """Returns a copy of the values of an uncertainty; `None` without variances."""
-        return None if self.variance is None else np.array(self.given.uncertainty.array)
+        return None if self.variance is None else np.array(np.broadcast_to(self.given.uncertainty.array, self.pixels.shape))
 
     def change_errors(self, errors: npt.NDArray[Any], before: Pixels, after: Pixels) -> None:
         """Replaces the values of an uncertainty whose variances have changed."""
@@ -135,6 +147,8 @@ class Files:
     paths: list[str] = field(default_factory=list)
     #: Image of each frame; `None` for paths and HDU lists.
     images: list[Image | None] = field(default_factory=list)
+    #: Remarks about their headers.
+    remarks: list[str] = field(default_factory=list)
 
     def shown(self, text: str) -> str:
         """Returns a message with the names of frames instead of the paths of temporary files."""
@@ -186,6 +200,7 @@ def as_files(
                     _separate(frame).writeto(path, output_verify="ignore")
                 else:
                     image = _image_of(frame, header, name, needs_header, or_else)
+                    files.remarks += [f"{name}: {remark}" for remark in image.remarks]
                     _core.write_frame(path, [(plane, _native(pixels), cards) for plane, pixels, cards in image.planes()])
                 files.paths.append(path)
                 files.images.append(image)
@@ -195,23 +210,39 @@ def as_files(
 
 
 def _separate(hdus: Any) -> Any:
-    """Returns HDUs with the same data and headers of their own: writing scales the data of an HDU, and changes its header."""
+    """Returns HDUs with the same data and headers of their own: writing scales the data of an HDU, and changes its header.
+
+    Compressed images whose data were read are not compressed: astropy would round all of their pixels again.
+    """
+    from astropy.io.fits import ImageHDU
+
     separate = []
     for hdu in hdus:
+        if _is_decompressed(hdu):
+            separate.append(ImageHDU(hdu.data, hdu.header.copy()))
+            continue
         twin = copy.copy(hdu)
         setattr(twin, "_header", getattr(hdu, "_header").copy())
         separate.append(twin)
     return type(hdus)(separate)
 
 
-def read_hdu_list(path: PathLike) -> Any:
-    """Returns the HDUs of a file, in memory."""
+def _is_decompressed(hdu: Any) -> bool:
+    """Returns True for a compressed image whose data were read or set."""
+    return is_of("astropy.io.fits", "CompImageHDU", hdu) and bool(getattr(hdu, "_has_data"))
+
+
+def read_hdu_list(path: PathLike, given: Any) -> Any:
+    """Returns the HDUs of a file, in memory, each of the class of the given HDU."""
     from astropy.io import fits
 
     with fits.open(path, memmap=False, lazy_load_hdus=False) as hdus:
         for hdu in hdus:
             # Reads the data, because the file is temporary.
             hdu.data
+    for index, hdu in enumerate(given):
+        if _is_decompressed(hdu):
+            hdus[index] = _new_hdu(hdu, hdus[index].data, hdus[index].header)
     return hdus
 
 
@@ -223,13 +254,22 @@ def _image_of(frame: object, header: HeaderLike | None, what: str, needs_header:
     """Returns the image of an array, an HDU or an `NDData`."""
     known: dict[str, Any] = {}
     data: Any = frame
+    wcs = None
+    if is_of("astropy.nddata.utils", "Cutout2D", frame):
+        raise TypeError(
+            f"{what} is a Cutout2D, which has no header; allowed: its data, with its wcs as header=..., start=... and exposure=...,"
+            " or with a header that is updated by wcs.to_header()"
+        )
     if _is_nddata(frame) or _is_hdu(frame):
         if header is not None:
             raise ValueError(f"header is given for a {type(frame).__name__}, which contains it; allowed: with an array")
         data = getattr(frame, "data")
     if _is_nddata(frame):
-        cards = _text(_header_of(frame))
-        known = {"bad": _bad(getattr(frame, "mask"), np.shape(data)), "variance": _variance(getattr(frame, "uncertainty"), getattr(frame, "unit"))}
+        known = {"bad": _bad(getattr(frame, "mask"), np.shape(data))}
+        known["variance"] = _variance(getattr(frame, "uncertainty"), getattr(frame, "unit"), np.shape(data))
+        wcs = _wcs_of(getattr(frame, "wcs"))
+        of_frame, known["remarks"] = _header_of(frame, wcs)
+        cards = _text(of_frame)
     elif _is_hdu(frame):
         if data is None:
             raise ValueError(f"{what} is a {type(frame).__name__} without data; allowed: an HDU with an image")
@@ -240,13 +280,20 @@ def _image_of(frame: object, header: HeaderLike | None, what: str, needs_header:
         if header is None and needs_header:
             _check_shape(np.shape(data), what)
             raise ValueError(f"missing header of the array; specify header=...{or_else}")
-        cards = header_text(header) or ""
+        if _is_wcs(header):
+            wcs = _wcs_of(header)
+            of_wcs, known["remarks"] = _with_coordinates(_as_header({}), wcs)
+            cards = _text(of_wcs)
+        else:
+            cards = _header_text(header)
         if isinstance(frame, np.ma.MaskedArray):
             data, known = frame.data, {"bad": _bad(frame.mask, frame.shape)}
         if is_of("astropy.units", "Quantity", data):
             cards += f"\nBUNIT   = '{data.unit}'"
     pixels: Pixels = np.asarray(data)
     _check_shape(pixels.shape, what)
+    if wcs is not None:
+        _check_place(wcs, cards, pixels.shape, what)
     if pixels.dtype.kind in "iu" and pixels.dtype.name not in _INTEGERS:
         known["integers"] = pixels.dtype
         pixels = _as_int32(pixels, what)
@@ -269,17 +316,13 @@ def _check_shape(shape: tuple[int, ...], what: str) -> None:
         )
 
 
-def header_text(header: object) -> str | None:
-    """Returns a header as text, one card per line."""
+def _header_text(header: object) -> str:
+    """Returns a header without a `WCS` as text, one card per line."""
     if header is None or isinstance(header, str):
-        return header
-    if is_of("astropy.wcs", "WCS", header):
-        from astropy.io.fits import Header
-
-        return _text(_with_coordinates(Header(), header))
-    if is_of("astropy.io.fits", "Header", header):
-        return _text(header)
-    raise TypeError(f"header is {type(header).__name__}; allowed: a Header, a WCS, or a string of cards")
+        return header or ""
+    if isinstance(header, Mapping) or is_of("astropy.io.fits", "Header", header):
+        return _text(_as_header(header))
+    raise TypeError(f"header is {type(header).__name__}; allowed: a Header, a WCS, a dict, or a string of cards")
 
 
 def _text(header: Any) -> str:
@@ -287,46 +330,121 @@ def _text(header: Any) -> str:
     return text
 
 
-def _with_coordinates(header: Header, wcs: Any) -> Header:
-    """Returns a header with the keywords of world coordinates; other keywords of the header have precedence."""
+def _is_wcs(value: object) -> bool:
+    """Returns True for world coordinates of astropy, also those of a slice."""
+    return any(is_of("astropy.wcs.wcsapi", name, value) for name in ("BaseHighLevelWCS", "BaseLowLevelWCS"))
+
+
+def _wcs_of(given: Any) -> Any:
+    """Returns world coordinates as a `WCS`; those of a slice of an `NDData` are the slice of a `WCS`."""
+    low = getattr(given, "low_level_wcs", given)
+    if is_of("astropy.wcs.wcsapi", "SlicedLowLevelWCS", low) and is_of("astropy.wcs", "WCS", getattr(low, "_wcs", None)):
+        slices = getattr(low, "_slices_array", ())
+        if all(isinstance(one, slice) for one in slices):
+            low = getattr(low, "_wcs")[tuple(slices)]
+    if given is None or is_of("astropy.wcs", "WCS", low):
+        return low
+    raise TypeError(f"wcs of the frame is {type(given).__name__}; allowed: an astropy.wcs.WCS")
+
+
+def _check_place(wcs: Any, cards: str, shape: tuple[int, ...], what: str) -> None:
+    """Compares the positions of pixels by the keywords of a `WCS` with its own.
+
+    astropy reads PV keywords of SCAMP with few terms as others, and keywords may be lost when it writes them again.
+    """
+    right, top = shape[1] - 1.0, shape[0] - 1.0
+    pixels = [(0.5 * right, 0.5 * top), (0.0, 0.0), (right, 0.0), (0.0, top), (right, top)]
+    # The range of a distortion depends on the size.
+    cards = f"NAXIS   = 2\nNAXIS1  = {shape[1]}\nNAXIS2  = {shape[0]}\n{cards}"
+    read = _core.sky_of_pixels(cards, pixels) if hasattr(_core, "sky_of_pixels") else None
+    if read is None or not wcs.has_celestial:
+        # The library states the reason.
+        return
+    from astropy.coordinates import SkyCoord
+
+    places, scale_arcsec = read
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            own = (wcs if wcs.naxis == 2 else wcs.celestial).pixel_to_world(*np.transpose(pixels)).icrs
+        except ValueError:
+            # A celestial frame that astropy does not know.
+            return
+        found = SkyCoord(places, unit="deg")
+        apart_arcsec = found.separation(own).arcsec
+    pixel, arcsec = _SAME_PLACE
+    if (apart_arcsec > pixel * scale_arcsec + arcsec).any():
+        at = int(np.nanargmax(apart_arcsec))
+        column, row = pixels[at]
+        raise ValueError(
+            f"{what}: pixel ({column:g}, {row:g}) is at {_degrees(own[at])} deg by pixel_to_world of the WCS object, but at"
+            f" {_degrees(found[at])} deg by its keywords (astropy reads some keywords otherwise, such as PV of SCAMP);"
+            " allowed: a path, an HDU, or an array with header=... of the file"
+        )
+
+
+def _degrees(place: Any) -> str:
+    return f"{place.ra.deg:.5f}, {place.dec.deg:.5f}"
+
+
+def _with_coordinates(header: Header, wcs: Any) -> tuple[Header, tuple[str, ...]]:
+    """Returns a header with the keywords of world coordinates, and remarks; other keywords of the header have precedence."""
     if any(getattr(wcs, name) is not None for name in ("cpdis1", "cpdis2", "det2im1", "det2im2")):
         raise ValueError("the world coordinates have lookup tables of distortion (CPDIS, D2IM); allowed: SIP or PV keywords")
     for keyword in [keyword for keyword in header if _COORDINATES.fullmatch(keyword)]:
         header.remove(keyword, ignore_missing=True, remove_all=True)
     cards = wcs.to_header(relax=True)
+    remarks: tuple[str, ...] = ()
+    for name, counts, others in (("start", _START, _OTHER_START), ("length", _LENGTH, _OTHER_LENGTH)):
+        taken = [keyword for keyword in cards if counts.fullmatch(keyword) and keyword not in header]
+        if taken and not any(others.fullmatch(keyword) for keyword in header):
+            remarks += (
+                f"the {name} of the exposure is that of {', '.join(taken)} in the WCS object: astropy does not keep the comments of"
+                " the header, which may state another unit or time",
+            )
+            if name == "length" and min(abs(cards[keyword]) for keyword in taken) < _SHORTEST_S:
+                shown = " and ".join(f"{keyword} is {cards[keyword]:g} s" for keyword in taken)
+                raise ValueError(
+                    f"{shown} in the WCS object, of which astropy does not keep the unit; allowed: {_SHORTEST_S:g} s or longer;"
+                    " give the file, or EXPTIME in the metadata"
+                )
     for card in cards.cards:
         # astropy adds an MJD, rounded to 10 ms, to each date.
         date = card.keyword.replace("MJD-", "DATE-")
         is_rounded = date != card.keyword and (date in cards or date in header)
         if card.keyword not in header and not is_rounded:
             header.append(card)
-    return header
+    return header, remarks
 
 
-def _header_of(data: Any) -> Header:
-    """Returns the metadata, world coordinates and unit of an `NDData` as a header."""
+def _as_header(values: Any) -> Header:
+    """Returns a copy of a header, or of a dictionary as a header."""
     from astropy.io.fits import Header
 
-    if isinstance(data.meta, Header):
-        header = data.meta.copy()
-    else:
-        header = Header()
-        with warnings.catch_warnings():
-            # Long names become HIERARCH cards.
-            warnings.simplefilter("ignore")
-            for name, value in data.meta.items():
-                try:
-                    header[str(name)] = value
-                except ValueError:
-                    # Not a value of a card, such as a table or an object.
-                    continue
-    if data.wcs is not None:
-        if not is_of("astropy.wcs", "WCS", data.wcs):
-            raise TypeError(f"wcs of the frame is {type(data.wcs).__name__}; allowed: an astropy.wcs.WCS")
-        header = _with_coordinates(header, data.wcs)
+    if isinstance(values, Header):
+        return values.copy()
+    header = Header()
+    with warnings.catch_warnings():
+        # Long names become HIERARCH cards.
+        warnings.simplefilter("ignore")
+        for name, value in values.items():
+            try:
+                header[str(name)] = value
+            except ValueError:
+                # Not a value of a card, such as a table or an object.
+                continue
+    return header
+
+
+def _header_of(data: Any, wcs: Any) -> tuple[Header, tuple[str, ...]]:
+    """Returns the metadata, world coordinates and unit of an `NDData` as a header, and remarks about it."""
+    header = _as_header(data.meta)
+    remarks: tuple[str, ...] = ()
+    if wcs is not None:
+        header, remarks = _with_coordinates(header, wcs)
     if data.unit is not None:
         header["BUNIT"] = str(data.unit)
-    return header
+    return header, remarks
 
 
 def _bad(mask: object, shape: tuple[int, ...]) -> npt.NDArray[np.uint8] | None:
@@ -348,13 +466,13 @@ _FROM_VARIANCE: dict[str, Any] = {"std": np.sqrt, "var": np.positive, "ivar": np
 _POWERS = {"std": 1, "var": 2, "ivar": -2}
 
 
-def _variance(uncertainty: NDUncertainty | None, unit: Any) -> Pixels | None:
+def _variance(uncertainty: NDUncertainty | None, unit: Any, shape: tuple[int, ...]) -> Pixels | None:
     """Returns the variances that an uncertainty states, in the squared unit of the data; `None` if it is missing or of an
     unknown kind. Values without information (0 of an inverse variance) become infinite.
     """
     if uncertainty is None or uncertainty.array is None or uncertainty.uncertainty_type not in _TO_VARIANCE:
         return None
-    array = np.asarray(uncertainty.array)
+    array = np.broadcast_to(uncertainty.array, shape)
     variance: Pixels = array.astype(np.float32 if array.dtype.itemsize <= 4 else np.float64)
     variance *= _unit_factor(uncertainty, unit)
     with np.errstate(divide="ignore", over="ignore"):
@@ -395,8 +513,8 @@ def _new_nddata(given: Any, pixels: Pixels, uncertainty: NDUncertainty | None, m
     return new
 
 
-def _new_hdu(given: Any, pixels: Pixels) -> Any:
-    """Returns an HDU of the same class with other pixels."""
+def _new_hdu(given: Any, pixels: Pixels, header: Any = None) -> Any:
+    """Returns an HDU of the same class with other pixels and, if given, another header."""
     options = ("compression_type", "tile_shape", "quantize_level", "quantize_method", "dither_seed", "hcomp_scale", "hcomp_smooth")
     same = {name: getattr(given, name) for name in options if getattr(given, name, None) is not None}
-    return type(given)(pixels, given.header.copy(), **same)
+    return type(given)(pixels, given.header.copy() if header is None else header, **same)

@@ -142,7 +142,7 @@ def inject(
         The file to write (atomically); required if ``frame`` is a path.
     model : StreakModel, optional
         Model whose satellites cross the frame; see `StreakModel.inject`. Without a model, streaks are random.
-    header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
+    header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS`, dict or str, optional
         World coordinates of an array and the other keywords of its header (exposure, zero point, gain). A string has
         one card per line, or cards of 80 characters. Required for an array without ``pixel_scale``.
     start : time, optional
@@ -291,7 +291,7 @@ def inject(
         target = os.path.join(files.folder, "injected") if output is None else absolute(output)
         request = json.dumps(_without_none({**options, "image": [*files.paths]}))
         result = _core.inject(request, json.dumps(setup), config, sky_cache, target)
-        done = _done(files.images[0], target, output, with_mask=not pixels_only)
+        done = _done(frame, files.images[0], target, output, with_mask=not pixels_only)
 
     def shown(text: str) -> str:
         return files.shown(tables.shown(text))
@@ -311,7 +311,7 @@ def inject(
         trails=table_of(result["trails"], table),
         summary=result["summary"],
         frame=done.frame,
-        remarks=tuple(shown(remark) for remark in result["remarks"]),
+        remarks=(*files.remarks, *(shown(remark) for remark in result["remarks"])),
         labels=dict(result["labels"]),
         _added=done.added,
         _mask=done.mask,
@@ -329,12 +329,12 @@ class _Done(NamedTuple):
 _ROWS = 32
 
 
-def _done(given: Image | None, target: str, output: PathLike | None, with_mask: bool) -> _Done:
+def _done(frame: FrameLike, given: Image | None, target: str, output: PathLike | None, with_mask: bool) -> _Done:
     """Returns the frame in the output file in the form in which it was given."""
     if output is not None:
         return _Done(Path(output))
     if given is None:
-        return _Done(read_hdu_list(target))
+        return _Done(read_hdu_list(target, frame))
     before, errors = given.pixels, given.errors()
     kind, columns = before.dtype.name, before.shape[1]
     image: Pixels = np.empty(before.shape, kind)

@@ -96,7 +96,7 @@ class MaskQueries(MeasureQueries):
         ----------
         frame : path, array, `~astropy.nddata.NDData`, `~astropy.io.fits.HDUList` or HDU
             A FITS file with world coordinates, or a frame in memory, as for `streakcast.inject`.
-        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
+        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS`, dict or str, optional
             World coordinates of an array and the other keywords of its header; required for an array.
         start : time, optional
             Shutter opening; default: from the header.
@@ -189,6 +189,6 @@ class MaskQueries(MeasureQueries):
             streaks=table_of(files.named(result["streaks"]), table, main=_STREAKS),
             left_out=table_of(files.named(result["left_out"]), table),
             summary=result["summary"],
-            remarks=tuple(shown(remark) for remark in result["remarks"]),
+            remarks=(*files.remarks, *(shown(remark) for remark in result["remarks"])),
             frame=None if files.images[0] is None else files.images[0].masked(next(iter(result["masks"].values()))),
         )

@@ -117,7 +117,7 @@ class MeasureQueries(ExposureQueries):
             probably made them. Several files belong to the frames in their order.
         place_sigma : str or `~astropy.units.Quantity`, optional
             Position error (one sigma) of the ends of ``streaks``, with its unit; default: 3 pixels.
-        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
+        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS`, dict or str, optional
             World coordinates of an array and the other keywords of its header; required for one array.
         start : time, optional
             Shutter opening; default: from the header.
@@ -304,7 +304,7 @@ def _measure(
     )
     measurements = Measurements(
         table=table_of(measured, table, main=_MEASUREMENTS if streaks is None else _STREAKS),
-        remarks=tuple(shown(remark) for remark in result["remarks"]),
+        remarks=(*files.remarks, *(shown(remark) for remark in result["remarks"])),
         learn_arguments=learn_arguments,
     )
     return measurements, [shown(message) for message in result["warnings"]]

@@ -325,7 +325,7 @@ class SiteQueries(ModelState):
         frame : path, array, `~astropy.nddata.NDData`, `~astropy.io.fits.HDUList` or HDU
             FITS file or frame in memory, as for `streakcast.inject`, that contains the streak, with world coordinates
             and, if they are not given, the exposure times (also for ``region`` and ``ends``).
-        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
+        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS`, dict or str, optional
             World coordinates of an array and the other keywords of its header; required for an array.
         pixels : two pairs
             Both ends in the frame, ``((x, y), (x, y))``.
@@ -400,7 +400,7 @@ class SiteQueries(ModelState):
                 found = _core.identify_streaks(json.dumps(request), tables.paths, tables.image_folder, self._engine, is_dark, listed)
                 return self._identified(found, lambda text: files.shown(tables.shown(text)), files, output)
             result = _core.identify(json.dumps(request), self._engine, is_dark, listed)
-        warn_of_frames(files.shown(remark) for remark in result["remarks"])
+        warn_of_frames([*files.remarks, *(files.shown(remark) for remark in result["remarks"])])
         self._warn_once(result["warnings"])
         return Identification(
             table_of(result["candidates"], output, main=CANDIDATES),

@@ -102,7 +102,7 @@ LimitLike = Union[FloatLike, Mapping[str, FloatLike]]
 #: Brightness model by name or as a JSON file, for all satellites or by generation.
 ModelLike = Union[PathLike, Mapping[str, PathLike]]
 #: World coordinates and other keywords of a frame; a string has one card per line, or cards of 80 characters.
-HeaderLike = Union["Header", "WCS", str]
+HeaderLike = Union["Header", "WCS", Mapping[str, object], str]
 #: Form of tables: `QTable`, dictionaries of arrays, or the former if astropy is installed.
 Output = Literal["auto", "qtable", "dict"]
 
