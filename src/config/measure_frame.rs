@@ -162,7 +162,10 @@ fn state_stars(
     match (found.zero_point_mag, found.shape) {
         (Some(Estimate { value, sigma }), shape) => {
             let seeing = match shape {
-                Some(StarShape { seeing_arcsec, form }) => format!("; {form} of {seeing_arcsec:.2} arcsec FWHM"),
+                Some(StarShape { seeing_arcsec, form, is_form_measured: true }) => {
+                    format!("; {form} of FWHM {seeing_arcsec:.2} arcsec")
+                }
+                Some(StarShape { seeing_arcsec, .. }) => format!("; FWHM {seeing_arcsec:.2} arcsec"),
                 None => "; FWHM not measured, too few bright stars".to_owned(),
             };
             remarks.push(format!("{chip}: zero point {value:.3} +- {sigma:.3} mag; {counts}{seeing}"));

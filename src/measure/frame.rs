@@ -208,14 +208,11 @@ pub fn measure_predictions(
                 sigma_mag: from_stars.zero_point_mag.map(|zero_point| zero_point.sigma),
                 is_clipped,
             };
-            if let Some(shape) = from_stars.shape {
-                optics.form = shape.form;
-                measure.is_form_known = true;
-                if !options.is_seeing_known {
-                    optics.seeing_arcsec = shape.seeing_arcsec;
-                    measure.fit_width = options.measure.fit_width;
-                    measure.is_seeing_known = true;
-                }
+            if let Some(shape) = from_stars.shape.filter(|_| !options.is_seeing_known) {
+                (optics.seeing_arcsec, optics.form) = (shape.seeing_arcsec, shape.form);
+                measure.fit_width = options.measure.fit_width;
+                measure.is_seeing_known = true;
+                measure.is_form_known |= shape.is_form_measured;
             }
             done.star_zero_points.push((chip.hdu, from_stars));
         }

@@ -177,8 +177,8 @@ impl Stamp {
     }
 
     /// Returns the sum of the squares that a fit of a drawn star and a constant leaves within twice the radius of the
-    /// aperture.
-    pub fn squares(&self, profile: &RadialProfile) -> f64 {
+    /// aperture, and the number of pixels.
+    pub fn squares(&self, profile: &RadialProfile) -> (f64, f64) {
         let template = self.template(profile);
         // Sums of 1, m, m², d, d m, d².
         let mut sums = [0.0f64; 6];
@@ -190,6 +190,6 @@ impl Stamp {
         }
         let [n, m, mm, d, dm, dd] = sums;
         let (weight, signal, squares) = (mm - m * m / n, dm - d * m / n, dd - d * d / n);
-        squares - if weight > 0.0 { signal * signal / weight } else { 0.0 }
+        (squares - if weight > 0.0 { signal * signal / weight } else { 0.0 }, n)
     }
 }

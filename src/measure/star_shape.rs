@@ -22,6 +22,8 @@ const WIDTH_SIGNAL_TO_NOISE: f64 = 50.0;
 /// Largest 1/β of the Moffat profiles that stars may have (a Gaussian has 0), and accuracy of a fitted 1/β.
 const LARGEST_INVERSE_BETA: f64 = 0.5;
 const INVERSE_BETA_TOLERANCE: f64 = 0.005;
+/// The form is measured if the Gaussian or the profile with the largest 1/β is excluded by this number of sigmas.
+const FORM_SIGMAS: f64 = 10.0;
 /// A profile with a smaller 1/β is drawn as a Gaussian.
 const LEAST_INVERSE_BETA: f64 = 0.01;
 
@@ -32,25 +34,28 @@ pub struct StarShape {
     pub seeing_arcsec: f64,
     /// Form of the point spread function.
     pub form: SeeingForm,
+    /// False if the form is the assumed one.
+    pub is_form_measured: bool,
 }
 
 impl StarShape {
     /// Returns the image of a star of this shape in focus.
     pub fn profile(&self, image: &StreakImage<'_>) -> Result<RadialProfile, Error> {
-        let Self { seeing_arcsec, form } = *self;
+        let Self { seeing_arcsec, form, .. } = *self;
         let stars = Optics { seeing_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, form };
         stars.profile(1.0, 0.0, image.pixel_scale_arcsec, image.pixel_aspect)
     }
 }
 
-/// Returns the measured shape of the stars: the width with the assumed form if this is known, otherwise width and form,
-/// of the Gaussian and all Moffat profiles, that fit best. `None` with fewer than three bright stars.
+/// Returns the measured shape of the stars: the width with the assumed form, or unless `is_form_assumed` width and form,
+/// of the Gaussian and all Moffat profiles, that fit best, if the stars show their form. `None` with fewer than three
+/// bright stars.
 ///
 /// `stamps` returns the pixels of the stars for an assumed profile.
 pub fn star_shape(
     image: &StreakImage<'_>,
     assumed: StarShape,
-    is_form_known: bool,
+    is_form_assumed: bool,
     stamps: impl Fn(&RadialProfile) -> Result<Vec<Stamp>, Error>,
 ) -> Result<Option<StarShape>, Error> {
     let mut start = assumed;
@@ -59,31 +64,48 @@ pub fn star_shape(
         let Ok(profile) = start.profile(image) else { break };
         let all = stamps(&profile)?;
         let bright = bright(image, &all, &profile);
-        let with = |form: SeeingForm, ratio: f64| StarShape { seeing_arcsec: ratio * start.seeing_arcsec, form };
+        let with = |form: SeeingForm, ratio: f64| StarShape {
+            seeing_arcsec: ratio * start.seeing_arcsec,
+            form,
+            is_form_measured: false,
+        };
         let width = |form: SeeingForm| width_ratio(&bright, |ratio| with(form, ratio).profile(image).ok());
         match width(start.form) {
-            Some(Width::Inside(ratio)) if is_form_known => return Ok(Some(with(start.form, ratio))),
-            Some(Width::Inside(_)) => {
-                let mut best = (f64::INFINITY, None);
-                let mut misfit_with = |inverse_beta: f64| -> f64 {
-                    let form = form_of(inverse_beta);
-                    let Some(Width::Inside(ratio)) = width(form) else { return f64::NAN };
-                    let misfit = misfit(image, &bright, &with(form, ratio)).unwrap_or(f64::NAN);
-                    if misfit < best.0 {
-                        best = (misfit, Some(with(form, ratio)));
-                    }
-                    misfit
+            Some(Width::Inside(ratio)) => {
+                let assumed = with(start.form, ratio);
+                let form = |inverse_beta| match width(form_of(inverse_beta)) {
+                    Some(Width::Inside(ratio)) => Some(with(form_of(inverse_beta), ratio)),
+                    _ => None,
                 };
-                let middle = 0.5 * LARGEST_INVERSE_BETA;
-                let start = (middle, misfit_with(middle));
-                minimum(misfit_with, [0.0, LARGEST_INVERSE_BETA], start, INVERSE_BETA_TOLERANCE);
-                return Ok(best.1);
+                let measured = if is_form_assumed { None } else { measured_form(image, &bright, &assumed, form) };
+                return Ok(Some(measured.unwrap_or(assumed)));
             }
             Some(Width::AtEnd(ratio)) => start = with(start.form, ratio),
             None => break,
         }
     }
     Ok(None)
+}
+
+/// Returns the shape with the form that fits best, of those that `shape_of` returns for a value of 1/β; `None` if the
+/// stars are too few or too faint to show their form.
+fn measured_form(
+    image: &StreakImage<'_>,
+    stars: &[&Stamp],
+    assumed: &StarShape,
+    shape_of: impl Fn(f64) -> Option<StarShape>,
+) -> Option<StarShape> {
+    let misfit_with = |inverse_beta: f64| -> Option<f64> { misfit(image, stars, &shape_of(inverse_beta)?) };
+    let start = match assumed.form {
+        SeeingForm::Moffat { beta } => beta.recip().min(LARGEST_INVERSE_BETA),
+        _ => 0.0,
+    };
+    let of = |inverse_beta: f64| misfit_with(inverse_beta).unwrap_or(f64::NAN);
+    let range = [0.0, LARGEST_INVERSE_BETA];
+    let (inverse_beta, least) = minimum(of, range, (start, misfit_with(start)?), INVERSE_BETA_TOLERANCE);
+    let extreme = range.into_iter().filter_map(misfit_with).fold(f64::NEG_INFINITY, f64::max);
+    let shape = shape_of(inverse_beta)?;
+    (extreme - least >= FORM_SIGMAS * FORM_SIGMAS).then_some(StarShape { is_form_measured: true, ..shape })
 }
 
 fn form_of(inverse_beta: f64) -> SeeingForm {
@@ -94,10 +116,15 @@ fn form_of(inverse_beta: f64) -> SeeingForm {
     }
 }
 
-/// Returns Σ ln S over the stars, with the sum S of the squares that the fit of a drawn star leaves.
+/// Returns Σ n ln S over the stars, with the sum S of the squares of n pixels that the fit of a drawn star leaves: χ² but
+/// for a constant.
 fn misfit(image: &StreakImage<'_>, stars: &[&Stamp], shape: &StarShape) -> Option<f64> {
     let profile = shape.profile(image).ok()?;
-    Some(stars.iter().map(|stamp| stamp.squares(&profile).max(f64::MIN_POSITIVE).ln()).sum())
+    let of = |stamp: &&Stamp| {
+        let (squares, count) = stamp.squares(&profile);
+        count * squares.max(f64::MIN_POSITIVE).ln()
+    };
+    Some(stars.iter().map(of).sum())
 }
 
 /// Returns the brightest stars with a sufficient signal to noise.
@@ -133,7 +160,7 @@ fn width_ratio(bright: &[&Stamp], profile_of: impl Fn(f64) -> Option<RadialProfi
     let ratio_of = |stamp: &Stamp| -> Option<f64> {
         let squares: Vec<f64> = profiles
             .iter()
-            .map(|(_, profile)| profile.as_ref().map_or(f64::INFINITY, |profile| stamp.squares(profile)))
+            .map(|(_, profile)| profile.as_ref().map_or(f64::INFINITY, |profile| stamp.squares(profile).0))
             .collect();
         let least = (0..WIDTHS).min_by(|a, b| squares[*a].total_cmp(&squares[*b]))?;
         let ln = profiles[least].0;

@@ -262,8 +262,8 @@ impl Measuring<'_> {
     }
 
     /// Returns true if a dark streak is significant, and the median of its blocks is larger than that of the brightest
-    /// one, which is then only the contrast beside the dark streak. A bright streak of a table is also contrast for its
-    /// neighbours.
+    /// one, which is then only the contrast beside the dark streak. Beside another streak of a table this is unknown,
+    /// because a bright one makes the sky beside it look dark.
     fn is_dark(&self, search: &Search, extent: &Extent, options: &MeasureOptions) -> Result<bool, Error> {
         let Search { best, darkest } = search;
         let contrast_pix = CONTRAST_WIDTHS * self.profile.fwhm_pix();

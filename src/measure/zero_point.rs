@@ -107,17 +107,13 @@ pub fn star_zero_point(
     let mut found = StarZeroPoint::default();
     let placed = placed(image, wcs, stars);
     found.outside = stars.len() - placed.len();
-    let assumed = StarShape { seeing_arcsec: optics.seeing_arcsec, form: optics.form };
+    let assumed = StarShape { seeing_arcsec: optics.seeing_arcsec, form: optics.form, is_form_measured: false };
     // The shape of misplaced stars is not measured.
-    found.shape = star_shape(image, assumed, is_form_known, |profile| {
+    found.shape = star_shape(image, assumed, is_form_known || is_width_known, |profile| {
         let all = candidates(image, &placed, profile, &mut StarZeroPoint::default(), watch)?;
         Ok(all.into_iter().map(|candidate| candidate.stamp).collect())
     })?;
-    let shape = match found.shape {
-        Some(shape) if !is_width_known => shape,
-        Some(shape) => StarShape { form: shape.form, ..assumed },
-        None => assumed,
-    };
+    let shape = found.shape.filter(|_| !is_width_known).unwrap_or(assumed);
     let profile = shape.profile(image)?;
     let candidates = candidates(image, &placed, &profile, &mut found, watch)?;
     let measured: Vec<(&StarCandidate, Aperture)> =
@@ -183,7 +179,7 @@ pub fn star_zero_point(
         // The median of n values of a normal distribution has the error σ √(π/2n). The scatter of few stars may be
         // small by chance, so the median of their own errors is the smallest accepted scatter.
         let error = (std::f64::consts::FRAC_PI_2 / found.used as f64).sqrt() * statistics.1.max(own);
-        let is_form_unknown = !is_form_known && found.shape.is_none();
+        let is_form_unknown = !is_form_known && !shape.is_form_measured;
         let form_mag = if is_form_unknown { form_error_mag(image, shape, &candidates[0].stamp) } else { 0.0 };
         let sigma = error.hypot(LEAST_ERROR_MAG).hypot(form_mag);
         found.zero_point_mag = Some(Estimate { value: statistics.0, sigma });
@@ -191,15 +187,15 @@ pub fn star_zero_point(
     Ok(found)
 }
 
-/// Returns the error of a zero point (one sigma, mag) because the form of the stars is unknown: half of the difference
-/// between a Gaussian and the Moffat profile with the widest wings.
+/// Returns the error of a zero point (one sigma, mag) because the form of the stars is unknown: half of the largest
+/// difference between the assumed form, a Gaussian and the Moffat profile with the widest wings.
 fn form_error_mag(image: &StreakImage<'_>, assumed: StarShape, stamp: &Stamp) -> f64 {
-    let share = |form: SeeingForm| StarShape { form, ..assumed }.profile(image).map(|profile| stamp.share(&profile));
-    // 2.5 log₁₀(q₁ / q₂) with the shares q of a star's light in the aperture
-    match EXTREME_FORMS.map(share) {
-        [Ok(first), Ok(second)] => 0.5 * (2.5 * (first / second).log10()).abs(),
-        _ => 0.0,
-    }
+    let share = |form: SeeingForm| Some(stamp.share(&StarShape { form, ..assumed }.profile(image).ok()?));
+    let shares = [EXTREME_FORMS[0], EXTREME_FORMS[1], assumed.form].into_iter().filter_map(share);
+    // -2.5 log₁₀ q with the shares q of a star's light in the aperture
+    let magnitudes: Vec<f64> = shares.filter(|share| *share > 0.0).map(|share| -2.5 * share.log10()).collect();
+    let of = |choose: fn(f64, f64) -> f64| magnitudes.iter().copied().reduce(choose).unwrap_or_default();
+    0.5 * (of(f64::max) - of(f64::min))
 }
 
 /// Returns the median and the scatter of values.

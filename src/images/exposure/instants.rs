@@ -29,6 +29,8 @@ const MINUTE_S: f64 = 60.0;
 
 /// Rounding error of one reading of a clock in two forms, seconds.
 const SAME_READING_S: f64 = 0.01;
+/// Largest error of days, seconds, that show that they are computed from a date: that of five decimals.
+const SAME_DAYS_S: f64 = 0.5;
 
 /// Largest difference between two instants that are computed from the same clock, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
@@ -413,8 +415,10 @@ impl Reader<'_> {
         let usual = instant.role;
         let is_of_observation =
             usual == Role::End && comments.iter().any(|comment| comment.has("end") && comment.has("observation obs"));
-        // The comment of days also states that the date from which they are computed is the middle.
-        if role == Some(Role::Middle) && !is_named && value.parse::<f64>().is_ok_and(|days| days > 1e4) {
+        // The comment of days also states that the date from which they are computed is the middle. Coarse days may be
+        // computed from the middle and agree with the start.
+        let is_fine = slack_s <= SAME_DAYS_S;
+        if role == Some(Role::Middle) && is_fine && !is_named && value.parse::<f64>().is_ok_and(|days| days > 1e4) {
             let dates = self.instants.found.iter().filter(is_same).filter(|known| !known.is_role_stated);
             let middles = dates.map(|known| (known.from.clone(), instant.from.clone()));
             self.instants.middles.extend(middles.collect::<Vec<_>>());

@@ -62,10 +62,10 @@ pub struct Start {
 }
 
 impl Start {
-    /// Returns the error (one sigma) of the start, seconds: that of its comment or of its digits as a number of days, and
-    /// that of a time that is cut or rounded to its last digit.
+    /// Returns the error (one sigma) of the start, seconds: that of its comment or of its digits as a number of days, of
+    /// which the largest error is known, and that of a time that is cut or rounded to its last digit.
     pub fn sigma_s(&self) -> f64 {
-        self.slack_s.hypot(self.step_s / 12f64.sqrt())
+        (self.slack_s / 3f64.sqrt()).hypot(self.step_s / 12f64.sqrt())
     }
 }
 

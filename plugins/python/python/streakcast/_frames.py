@@ -373,8 +373,9 @@ def _check_place(wcs: Any, cards: str, shape: tuple[int, ...], what: str) -> Non
         found = SkyCoord(places, unit="deg")
         apart_arcsec = found.separation(own).arcsec
     pixel, arcsec = _SAME_PLACE
-    if (apart_arcsec > pixel * scale_arcsec + arcsec).any():
-        at = int(np.nanargmax(apart_arcsec))
+    if not (apart_arcsec <= pixel * scale_arcsec + arcsec).all():
+        # A pixel that has a position in only one of the readings comes first.
+        at = int(np.argmax(np.nan_to_num(apart_arcsec, nan=np.inf)))
         column, row = pixels[at]
         raise ValueError(
             f"{what}: pixel ({column:g}, {row:g}) is at {_degrees(own[at])} deg by pixel_to_world of the WCS object, but at"
