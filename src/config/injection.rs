@@ -183,8 +183,8 @@ pub struct InjectionConfig {
     /// PSFEx (.psf), instead of seeing, defocus and size; moffat if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", value_hint = clap::ValueHint::FilePath, help_heading = "Streaks"))]
     pub psf: Option<String>,
-    /// Oversampling of the image of --psf: number of its pixels along a pixel of the frame; OVERSAMP in its header, or
-    /// else 1, if omitted
+    /// Oversampling of the image of --psf: number of its pixels along a pixel of the frame; that in its header
+    /// (OVERSAMP), or else 1, if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Streaks"))]
     pub psf_oversampling: Option<usize>,
     /// Zero point: magnitude of a star with a total of 1 in the frame's unit; from the header if omitted

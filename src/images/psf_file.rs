@@ -26,6 +26,10 @@ const MOST_OVERSAMPLING: usize = 16;
 const STEPS_PIX: [f64; 2] = [0.05, 2.0];
 /// Largest degree of a polynomial.
 const MOST_DEGREE: usize = 10;
+/// Keywords of the oversampling of an image. The first one that a header has counts.
+const OVERSAMPLING: [&str; 4] = ["OVERSAMP", "OVERSMPL", "OSAMP", "DET_SAMP"];
+/// Keyword of the side of a cell of an image, pixels of the frame.
+const STEP: &str = "PSF_SAMP";
 
 /// Point spread functions of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +38,22 @@ pub struct PsfFile {
     pub path: PathBuf,
     /// One for all chips, or one for each chip of a frame, in order.
     grids: Vec<PsfGrid>,
+    /// What an image states about itself; `None` for a file of PSFEx.
+    stated: Option<StatedImage>,
+}
+
+/// Properties of an image that can be compared with the frame.
+#[derive(Clone, Debug, PartialEq)]
+struct StatedImage {
+    /// Keyword and side of a cell on the sky, arcseconds; `None` if the header has none or the user gave the
+    /// oversampling.
+    scale: Option<(&'static str, f64)>,
+    /// Keyword of the oversampling, if the header has one.
+    oversampling: Option<&'static str>,
+    /// Light of the border relative to the peak.
+    border: f64,
+    /// Share of the sum that a sky as bright as the border has.
+    sky_share: f64,
 }
 
 /// Samples of the light in a pixel as a function of its distance from a star.
@@ -64,7 +84,7 @@ impl PsfFile {
         ["fits", "fit", "fts", "fz", "psf"].contains(&end.as_str())
     }
 
-    /// Reads a file. `oversampling` replaces the keyword OVERSAMP of an image, which is 1 if it is missing.
+    /// Reads a file. `oversampling` replaces that in the header of an image, which is 1 if it is missing.
     ///
     /// # Errors
     /// The file cannot be read, has no image with a positive sum, finite values and a border without light, or a
@@ -78,16 +98,61 @@ impl PsfFile {
             .map(|hdu| hdu.index)
             .filter(|&hdu| file.header(hdu).is_ok_and(|header| header.integer("PSFAXIS1").is_some()))
             .collect();
-        let grids = if of_psfex.is_empty() {
-            vec![image(&file, oversampling)?]
+        let (grids, stated) = if of_psfex.is_empty() {
+            let (grid, stated) = image(&file, oversampling)?;
+            (vec![grid], Some(stated))
         } else if oversampling.is_some() {
             let allowed = "an image (PSF_SAMP is the sampling)";
             return Err(Error::invalid("--psf-oversampling", "given for a file of PSFEx", allowed).in_file("", path));
         } else {
             let read = |hdu| psfex(&file, hdu).map_err(|error| error.in_hdu(path, hdu));
-            of_psfex.into_iter().map(read).collect::<Result<_, _>>()?
+            (of_psfex.into_iter().map(read).collect::<Result<_, _>>()?, None)
         };
-        Ok(Self { path: path.to_owned(), grids })
+        Ok(Self { path: path.to_owned(), grids, stated })
+    }
+
+    /// Checks that an image has the scale of a frame, in arcseconds per pixel, with the oversampling in its header.
+    ///
+    /// # Errors
+    /// The scale in its header is another one.
+    pub fn check_scale(&self, frame_arcsec: f64) -> Result<(), Error> {
+        /// Largest difference of the scales, which may be nominal ones.
+        const MOST: f64 = 0.1;
+        let Some(StatedImage { scale: Some((keyword, cell_arcsec)), oversampling, .. }) = &self.stated else {
+            return Ok(());
+        };
+        let is_near = |arcsec: f64| (arcsec / frame_arcsec).ln().abs() <= (1.0 + MOST).ln();
+        // With an oversampling in the header, the scale may be that of a cell or that of a pixel.
+        let number = (1.0 / self.step_pix()).round();
+        if is_near(cell_arcsec * number) || (oversampling.is_some() && is_near(*cell_arcsec)) {
+            return Ok(());
+        }
+        let given = format!("{} arcsec, with an oversampling of {number}", rounded(*cell_arcsec));
+        let allowed = format!(
+            "{} arcsec for the frame of {} arcsec per pixel; specify --psf-oversampling, the number of pixels of the \
+             image along a pixel of the frame",
+            rounded(frame_arcsec / number),
+            rounded(frame_arcsec)
+        );
+        let what = format!("scale {keyword} of the point spread function");
+        Err(Error::invalid(what, given, allowed).in_file("", &self.path))
+    }
+
+    /// Returns a warning about a border with light, which may be that of a sky or of wings that are cut off.
+    pub fn border_warning(&self) -> Option<String> {
+        /// Largest light of the border relative to the peak without a warning, and the same of its share.
+        const MOST: f64 = 0.001;
+        const MOST_SHARE: f64 = 0.02;
+        let stated = self.stated.as_ref()?;
+        (stated.border.abs() > MOST && stated.sky_share.abs() > MOST_SHARE).then(|| {
+            format!(
+                "{}: the border of the point spread function has {:.2} % of its peak (median): if this is a sky, {:.0} % of \
+                 the light is that of the sky; subtract it, or use an image with more of the wings",
+                self.path.display(),
+                100.0 * stated.border,
+                100.0 * stated.sky_share
+            )
+        })
     }
 
     /// Returns the distance between samples, pixels of the frame: that of the first chip.
@@ -152,7 +217,7 @@ impl PsfGrid {
     }
 }
 
-fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, Error> {
+fn image(file: &FrameFile, given: Option<usize>) -> Result<(PsfGrid, StatedImage), Error> {
     let Some(&hdu) = file.images().first() else {
         let allowed = "an image with two axes, or a table PSF_MASK of PSFEx";
         return Err(Error::invalid("point spread function", "missing", allowed).in_file("", file.path()));
@@ -163,11 +228,11 @@ fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, Error> {
         let allowed = format!("sides up to {MOST_SAMPLES} pixels");
         return Err(Error::invalid("size of the point spread function", given, allowed).in_hdu(file.path(), hdu));
     }
-    let header = file.header(hdu)?;
-    let stated = header.number("OVERSAMP");
+    let headers = [file.header(hdu)?, file.header(0)?];
+    let stated = headers.iter().find_map(|header| stated_oversampling(header));
     let oversampling = match (given, stated) {
         (Some(number), _) => number as f64,
-        (None, stated) => stated.unwrap_or(1.0),
+        (None, stated) => stated.map_or(1.0, |(_, number)| number),
     };
     let is_whole = oversampling.fract() == 0.0 && (1.0..=MOST_OVERSAMPLING as f64).contains(&oversampling);
     if !is_whole {
@@ -178,16 +243,63 @@ fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, Error> {
     }
     let plane = file.read_plane(hdu)?;
     let cells: Vec<f64> = plane.values().iter().map(|value| f64::from(*value)).collect();
-    check_values(&cells)
-        .and_then(|()| check_border(&cells, columns))
-        .map_err(|error| error.in_hdu(file.path(), hdu))?;
+    let border =
+        check_values(&cells).and_then(|()| border(&cells, columns)).map_err(|error| error.in_hdu(file.path(), hdu))?;
+    let stated = StatedImage {
+        scale: headers.iter().find_map(|header| stated_scale(header)).filter(|_| given.is_none()),
+        oversampling: stated.map(|(keyword, _)| keyword),
+        border: border / peak(&cells),
+        sky_share: border * cells.len() as f64 / cells.iter().sum::<f64>(),
+    };
     let centroid = centroid(&cells, columns);
     let (samples, size) = summed(cells, [rows, columns], oversampling as usize);
     // The samples extend beyond the cells evenly on all sides.
     let star = [0, 1].map(|axis| centroid[axis] + 0.5 * (size[axis] - [rows, columns][axis]) as f64);
     let grid = PsfGrid { size, star, step_pix: 1.0 / oversampling, terms: vec![samples], polynomial: None };
     check_extent(&grid).map_err(|error| error.in_file("", file.path()))?;
-    Ok(grid)
+    Ok((grid, stated))
+}
+
+/// Returns the oversampling in a header with its keyword; NaN if it is no number.
+fn stated_oversampling(header: &Header) -> Option<(&'static str, f64)> {
+    let number = |keyword| header.number(keyword).unwrap_or(f64::NAN);
+    let found = OVERSAMPLING.into_iter().find(|keyword| header.contains(keyword));
+    found.map(|keyword| (keyword, number(keyword))).or_else(|| {
+        // 0.3333 is a third.
+        let inverse = 1.0 / number(STEP);
+        let whole = inverse.round();
+        header.contains(STEP).then_some((STEP, if (inverse - whole).abs() < 0.01 { whole } else { inverse }))
+    })
+}
+
+/// Returns the side of a pixel on the sky in a header with its keyword, arcseconds.
+fn stated_scale(header: &Header) -> Option<(&'static str, f64)> {
+    let in_arcsec = ["PIXELSCL", "PIXSCALE"].into_iter().map(|keyword| (keyword, header.number(keyword)));
+    let unit_arcsec = match header.text("CUNIT1").as_deref() {
+        None | Some("deg") => 3600.0,
+        Some("arcsec") => 1.0,
+        Some("mas") => 1e-3,
+        Some("rad") => 180.0 / std::f64::consts::PI * 3600.0,
+        Some(_) => f64::NAN,
+    };
+    let axis = header.text("CTYPE1").unwrap_or_default();
+    let is_sky = ["RA", "DEC", "GL", "EL"].iter().any(|start| axis.starts_with(start)) || header.contains("CUNIT1");
+    /// Largest scale that counts without a unit or type of the axes, degrees: 1 is that of plain pixels.
+    const MOST_DEG: f64 = 0.01;
+    let in_units = |number: f64| Some(number).filter(|number| is_sky || *number < MOST_DEG).map(|it| it * unit_arcsec);
+    let matrix = header.number("CD1_1").map(|first| first.hypot(header.number("CD2_1").unwrap_or(0.0)));
+    let step = header.number("CDELT1").map(f64::abs);
+    in_arcsec
+        .chain([("CD1_1", matrix.and_then(in_units)), ("CDELT1", step.and_then(in_units))])
+        .find_map(|(keyword, arcsec)| Some((keyword, arcsec.filter(|arcsec| arcsec.is_finite() && *arcsec > 0.0)?)))
+}
+
+fn rounded(number: f64) -> f64 {
+    (number * 1e4).round() / 1e4
+}
+
+fn peak(cells: &[f64]) -> f64 {
+    cells.iter().copied().fold(0.0, f64::max)
 }
 
 /// Returns the weights of the cells around a cell in a pixel of `number` cells along an axis.
@@ -321,8 +433,9 @@ fn check_values(values: &[f64]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Returns an error if the outermost cells have light: they are those of a sky, or the wings are cut off.
-fn check_border(cells: &[f64], columns: usize) -> Result<(), Error> {
+/// Returns the median of the outermost cells, or an error if they have light: they are those of a sky, or the wings are
+/// cut off.
+fn border(cells: &[f64], columns: usize) -> Result<f64, Error> {
     /// Largest light of the border relative to the peak.
     const MOST: f64 = 0.01;
     let rows = cells.len() / columns;
@@ -331,7 +444,7 @@ fn check_border(cells: &[f64], columns: usize) -> Result<(), Error> {
         row == 0 || column == 0 || row + 1 == rows || column + 1 == columns
     };
     let border = median((0..cells.len()).filter(|at| is_border(*at)).map(|at| cells[at]).collect());
-    let share = border / cells.iter().copied().fold(0.0, f64::max);
+    let share = border / peak(cells);
     if share.abs() > MOST {
         let given = format!("{:.1} % of its peak (median)", 100.0 * share);
         let allowed = format!(
@@ -340,12 +453,12 @@ fn check_border(cells: &[f64], columns: usize) -> Result<(), Error> {
         );
         return Err(Error::invalid("border of the point spread function", given, allowed));
     }
-    Ok(())
+    Ok(border)
 }
 
 /// Returns the centroid (row, column) of the light above 5 % of the peak: fainter wings have more noise than light.
 fn centroid(cells: &[f64], columns: usize) -> [f64; 2] {
-    let least = 0.05 * cells.iter().copied().fold(0.0, f64::max);
+    let least = 0.05 * peak(cells);
     let [mut light, mut row, mut column] = [0.0; 3];
     for (at, value) in cells.iter().enumerate() {
         // Without a step at the threshold, which would depend on the place of the star within its cell.

@@ -478,7 +478,28 @@ impl Attached {
         if self.jumps_minutes.iter().any(|jump| (from - reach_minutes..=to + reach_minutes).contains(jump)) {
             return false;
         }
-        let has_no_hole = |beyond_s: f64, limits: &dyn Fn(&EphemerisTable) -> [f64; 2]| {
+        self.has_no_hole([from, to], beyond_s)
+    }
+
+    /// Returns true if ephemerides are used for all short exposures in an interval, minutes after the epoch of the
+    /// element set: those of both sides of a time at which positions jump must have states beyond it.
+    pub fn covers_exposures(&self, ends: [f64; 2]) -> bool {
+        /// Longest part of an exposure after a jump or before it.
+        const LONGEST_PART_S: f64 = 300.0;
+        if self.jumps_minutes.is_empty() {
+            return self.covers(ends, 0.0);
+        }
+        let is_across = |jump: f64, segment: &Segment| {
+            let (at_s, beyond_s) = (segment.seconds(jump), EPHEMERIS_MARGIN_S + LONGEST_PART_S);
+            segment.table.reaches(at_s - beyond_s, at_s + beyond_s)
+        };
+        let mut jumps = self.jumps_minutes.iter().filter(|jump| (ends[0]..=ends[1]).contains(jump));
+        jumps.all(|jump| self.segments.iter().filter(|segment| is_across(*jump, segment)).count() > 1)
+            && self.has_no_hole(ends, 0.0)
+    }
+
+    fn has_no_hole(&self, [from, to]: [f64; 2], beyond_s: f64) -> bool {
+        let reaches_all = |beyond_s: f64, limits: &dyn Fn(&EphemerisTable) -> [f64; 2]| {
             let (mut known, to) = (from - beyond_s / 60.0, to + beyond_s / 60.0);
             loop {
                 let ends = self.segments.iter().filter_map(|segment| {
@@ -498,8 +519,8 @@ impl Attached {
                 known = end + ROUNDING_MINUTES;
             }
         };
-        has_no_hole(beyond_s, &|table| table.usable_s)
-            && has_no_hole(beyond_s + EPHEMERIS_MARGIN_S, &|table| table.reach_s)
+        reaches_all(beyond_s, &|table| table.usable_s)
+            && reaches_all(beyond_s + EPHEMERIS_MARGIN_S, &|table| table.reach_s)
     }
 
     /// Returns true if a part of an interval, minutes after the epoch of the element set, is covered.

@@ -178,6 +178,12 @@ impl Propagator {
         self.ephemeris.as_ref().is_some_and(|attached| attached.covers(ends, beyond_s))
     }
 
+    /// Returns true if the attached ephemerides are used for all short exposures in an interval.
+    fn covers_exposures(&self, ends: [Epoch; 2]) -> bool {
+        let ends = ends.map(|epoch| self.minutes_since_epoch(epoch));
+        self.ephemeris.as_ref().is_some_and(|attached| attached.covers_exposures(ends))
+    }
+
     /// Returns true if the attached ephemeris is for the middle of an interval and has states in all of it.
     fn is_for_middle(&self, ends: [Epoch; 2]) -> bool {
         let ends = ends.map(|epoch| self.minutes_since_epoch(epoch));
@@ -500,7 +506,7 @@ impl SatelliteIndex {
     /// which these are used.
     pub fn ephemeris_coverage(&self, ends: [Epoch; 2]) -> impl Iterator<Item = (usize, EphemerisCoverage)> + '_ {
         self.ephemerides.iter().map(move |(&position, of_one)| {
-            let coverage = if of_one.iter().any(|propagator| propagator.covers(ends, 0.0)) {
+            let coverage = if of_one.iter().any(|propagator| propagator.covers_exposures(ends)) {
                 EphemerisCoverage::Whole
             } else if of_one.iter().any(|propagator| propagator.overlaps(ends)) {
                 EphemerisCoverage::Part

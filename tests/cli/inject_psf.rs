@@ -364,3 +364,100 @@ fn invalid_point_spread_functions_give_one_line() {
     fs::write(frame.path("two.csv"), "x1_pix,y1_pix,x2_pix,y2_pix,magnitude,fwhm_pix\n60,60,150,150,11,3\n").unwrap();
     rejected(&frame, &["--psf", &file], "line 2: width of the streak is given; allowed");
 }
+
+/// A file with an empty primary HDU and an image in an extension.
+fn in_extension(side: usize, values: impl Iterator<Item = f32>, primary: &[String]) -> Vec<u8> {
+    let mut cards = vec![card("SIMPLE", "T"), card("BITPIX", 8), card("NAXIS", 0), card("EXTEND", "T")];
+    cards.extend(primary.iter().cloned());
+    let extension = [
+        "XTENSION= 'IMAGE   '".to_owned(),
+        card("BITPIX", -32),
+        card("NAXIS", 2),
+        card("NAXIS1", side),
+        card("NAXIS2", side),
+        card("PCOUNT", 0),
+        card("GCOUNT", 1),
+    ];
+    [block(&cards), block(&extension), padded(values)].concat()
+}
+
+#[test]
+fn the_oversampling_of_an_image_is_read_from_its_usual_keywords() {
+    let frame = Frame::new();
+    let file = frame.path("psf.fits");
+    fs::write(&file, image(&[61, 61], gaussian(61, [5.6, 5.6]), &[card("OVERSAMP", 4)])).unwrap();
+    let [_, _, expected] = half(&frame.added(&["--psf", &file]), 1);
+    assert!((expected - 1.4).abs() < 0.1, "{expected}");
+    for stated in
+        [card("OVERSAMP", 4), card("DET_SAMP", 4), card("OVERSMPL", 4), card("OSAMP", 4), card("PSF_SAMP", 0.25)]
+    {
+        for bytes in [
+            in_extension(61, gaussian(61, [5.6, 5.6]), std::slice::from_ref(&stated)),
+            image(&[61, 61], gaussian(61, [5.6, 5.6]), std::slice::from_ref(&stated)),
+        ] {
+            fs::write(&file, bytes).unwrap();
+            let [_, _, width] = half(&frame.added(&["--psf", &file]), 1);
+            assert!((width - expected).abs() < 1e-6, "{stated}: {width} {expected}");
+        }
+    }
+    // The header of the image comes before the primary header, and a number of no use is not 1.
+    fs::write(&file, image(&[61, 61], gaussian(61, [5.6, 5.6]), &["OVERSAMP= 'four    '".to_owned()])).unwrap();
+    rejected(&frame, &["--psf", &file], "is NaN; allowed: a whole number");
+}
+
+#[test]
+fn a_scale_of_an_image_that_is_not_that_of_the_frame_is_an_error() {
+    let frame = Frame::new();
+    let plain = frame.path("plain.fits");
+    let header = String::from_utf8_lossy(&fs::read(&plain).unwrap()[..2880 * 3]).into_owned();
+    let of = |name: &str| {
+        let at = header.find(&format!("{name:<8}= ")).unwrap() + 10;
+        header[at..at + 20].trim().parse::<f64>().unwrap()
+    };
+    let scale_deg = of("CD1_1").hypot(of("CD2_1"));
+    let file = frame.path("psf.fits");
+    let scales = |cell_deg: f64| {
+        [
+            vec![card("PIXELSCL", 3600.0 * cell_deg)],
+            vec![card("PIXSCALE", 3600.0 * cell_deg)],
+            vec![card("CD1_1", -cell_deg), card("CD2_2", cell_deg)],
+            vec!["CTYPE1  = 'RA---TAN'".to_owned(), card("CDELT1", -cell_deg), card("CDELT2", cell_deg)],
+        ]
+    };
+    for cards in scales(0.25 * scale_deg) {
+        fs::write(&file, image(&[61, 61], gaussian(61, [5.6, 5.6]), &cards)).unwrap();
+        rejected(&frame, &["--psf", &file], "specify --psf-oversampling");
+        rejected(&frame, &["--psf", &file], cards[cards.len().saturating_sub(2)][..8].trim());
+        let [_, _, width] = half(&frame.added(&["--psf", &file, "--psf-oversampling", "4"]), 1);
+        assert!((width - 1.4).abs() < 0.1, "{width}");
+        fs::write(&file, image(&[61, 61], gaussian(61, [5.6, 5.6]), &[cards, vec![card("OVERSAMP", 4)]].concat()))
+            .unwrap();
+        frame.added(&["--psf", &file]);
+    }
+    for cards in scales(scale_deg) {
+        fs::write(&file, image(&[31, 31], gaussian(31, [1.7, 1.7]), &cards)).unwrap();
+        frame.added(&["--psf", &file]);
+    }
+    // Plain pixels.
+    fs::write(&file, image(&[31, 31], gaussian(31, [1.7, 1.7]), &[card("CDELT1", 1.0), card("CDELT2", 1.0)])).unwrap();
+    frame.added(&["--psf", &file]);
+}
+
+#[test]
+fn a_border_with_a_share_of_the_light_is_a_warning() {
+    let frame = Frame::new();
+    let [plain, table, output, file] = ["plain.fits", "two.csv", "out.fits", "psf.fits"].map(|name| frame.path(name));
+    for (sky, words) in [
+        (0.005, "has 0.50 % of its peak (median): if this is a sky, 21 % of"),
+        (-0.002, "has -0.20 % of its peak"),
+        (0.0001, ""),
+    ] {
+        fs::write(&file, image(&[31, 31], gaussian(31, [1.7, 1.7]).map(|value| value + sky), &[])).unwrap();
+        let (code, _, error) =
+            run(&[&["inject", "--image", &plain, "-o", &output, "--streaks", &table, "--psf", &file]]);
+        assert_eq!(code, 0, "{error}");
+        assert_eq!(error.contains("border of the point spread function"), !words.is_empty(), "{error}");
+        assert!(error.contains(words), "{error}");
+        fs::remove_file(&output).unwrap();
+    }
+}

@@ -62,3 +62,37 @@ fn valid_results_of_public_reports() {
     }
     assert!(failed.is_empty(), "{}", failed.join("\n\n"));
 }
+
+/// Segments whose USEABLE times adjoin are used on both sides, although they differ by more than 1 km; there is no
+/// warning about element sets unless there is a time between them.
+#[test]
+fn valid_adjoining_segments_of_a_public_report_need_no_element_set() {
+    let Some(folder) = crate::common::data_dir().map(|data| data.join("reports")) else { return };
+    let Ok(whole) = std::fs::read_to_string(folder.join("oem_useable_span.oem")) else {
+        eprintln!("\n*** SKIPPED: no reports in {} ***\n", folder.display());
+        return;
+    };
+    let outputs = tempfile::tempdir().unwrap();
+    let file = outputs.path().join("a.oem").display().to_string();
+    let elements = folder.join("starlink5095.tle").display().to_string();
+    let stop = "USEABLE_STOP_TIME = 2026-08-22T03:14:00";
+    let start = "USEABLE_START_TIME = 2026-08-22T03:14:00";
+    assert!(whole.contains(stop) && whole.contains(start));
+    for (text, times, is_hole) in [
+        (whole.clone(), ["2026-08-22T03:13:00Z", "2026-08-22T03:14:00Z", "2026-08-22T03:15:00Z"], false),
+        (whole.clone(), ["2026-08-22T02:30:00Z", "2026-08-22T03:20:00Z", "2026-08-22T04:00:00Z"], false),
+        (whole.replace(stop, "USEABLE_STOP_TIME = 2026-08-22T03:10:00"), ["2026-08-22T03:09:00Z"; 3], false),
+        (
+            whole.replace(stop, "USEABLE_STOP_TIME = 2026-08-22T03:10:00"),
+            ["2026-08-22T03:09:00Z", "2026-08-22T03:12:00Z", "2026-08-22T03:15:00Z"],
+            true,
+        ),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        let site = ["--lat", "30", "--lon=-110", "--height", "1000", "--norad", "56885", "--format", "csv"];
+        let (code, stdout, stderr) = run(&[&["ephemeris", "--elements", &elements, &file, "--times"], &times, &site]);
+        assert_eq!(code, 0, "{stderr}");
+        assert_eq!(stderr.contains("do not cover"), is_hole, "{times:?}: {stderr}");
+        assert_eq!(stdout.matches(",ephemeris").count() < 3, is_hole, "{times:?}: {stdout}");
+    }
+}

@@ -197,6 +197,9 @@ pub fn drawn<'a>(
     match &plan.psf_file {
         Some(file) => {
             let chosen: Vec<usize> = frame.chips.iter().map(|target| target.chip.hdu).collect();
+            if chip.is_on_sky {
+                file.check_scale(chip.pixel_scale_arcsec())?;
+            }
             draw_image_on_chip(source, chip, shot, file.of_chip(chip.hdu, &chosen, &frame.images.frames)?, watch)
         }
         None => draw_on_chip(source, chip, shot),

@@ -18,7 +18,7 @@ use super::lights::{InjectionSky, drawn, has_light, history, sources, state};
 use super::plan::InjectionPlan;
 use crate::error::Error;
 use crate::frames::{Direction, seconds_after};
-use crate::images::{HeaderSite, PixelPosition};
+use crate::images::{HeaderSite, PixelPosition, PsfFile};
 use crate::message::{Quoted, listed};
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value, counted};
 use crate::watch::Watch;
@@ -149,7 +149,8 @@ impl<'a> Injection<'a> {
             let shown = frame.file.path().display();
             frame.left_out.iter().map(move |(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"))
         });
-        let warnings: Vec<String> = left_out.collect();
+        let of_psf = plan.psf_file.as_ref().and_then(PsfFile::border_warning);
+        let warnings: Vec<String> = left_out.chain(of_psf).collect();
         let count = self.outputs.len();
         let written = AtomicUsize::new(0);
         let frames: Result<Vec<InjectedFrame>, Error> = self
