@@ -62,10 +62,12 @@ pub struct Start {
 }
 
 impl Start {
-    /// Returns the error (one sigma) of the start, seconds: that of its comment or of its digits as a number of days, of
-    /// which the largest error is known, and that of a time that is cut or rounded to its last digit.
+    /// Returns the error (one sigma) of the start, seconds: that of its comment, or of its digits, by which a time of day
+    /// is cut or rounded and a number of days is rounded.
     pub fn sigma_s(&self) -> f64 {
-        (self.slack_s / 3f64.sqrt()).hypot(self.step_s / 12f64.sqrt())
+        let is_days = self.step_s == 0.0;
+        let slack_s = if is_days { self.slack_s / 3f64.sqrt() } else { self.slack_s };
+        slack_s.hypot(self.step_s / 12f64.sqrt())
     }
 }
 
